@@ -30,8 +30,8 @@ import numpy as np
 from websockets.asyncio.client import connect
 
 from navigation.config import Config
-from navigation.dashboard.messages.packed import unpack
 from tests.browser.programs.live import Live, live_config
+from tests.support.runs.packed import unpack
 
 RESULT = Path(__file__).parent / "results" / "dashboard.md"
 SAVING = "saving a recording"

@@ -21,9 +21,9 @@ from typing import Any, Final
 
 from websockets.asyncio.client import connect
 
-from navigation.dashboard.messages.packed import unpack
 from navigation.mission.mission import Station
 from tests.browser.programs.live import Live, live_config
+from tests.support.runs.packed import unpack
 
 RESULT = Path(__file__).parent / "results" / "page_traffic.md"
 SETTLE_S: Final = 2.0

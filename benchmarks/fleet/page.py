@@ -29,9 +29,9 @@ from pathlib import Path
 from websockets.asyncio.client import ClientConnection, connect
 
 from navigation.config import Config, load_config
-from navigation.dashboard.messages.packed import unpack
 from navigation.run.run_report import RunReport
 from navigation.run.runner import Runner
+from tests.support.runs.packed import unpack
 
 CROSSING = Path(__file__).parents[2] / "configs" / "crossing.yaml"
 RESULT = Path(__file__).parents[1] / "results" / "fleet_page.md"

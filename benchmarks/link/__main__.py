@@ -45,7 +45,7 @@ class Bench(AvrBench):
         return self.state() is RobotState.HOLD
 
     def stopped(self) -> bool:
-        return self.host.estopped and not self.host.estop_pending
+        return self.state() is RobotState.ESTOP and not self.host.estop_pending
 
     def finish(self) -> None:
         upload = self.host.upload_state

@@ -44,7 +44,8 @@ class Commands:
     """The user's wishes, and the command awaiting its answer."""
 
     def __init__(self) -> None:
-        self._reset = False
+        self.reset_wanted = False
+        """True while the robot still has to leave its emergency stop."""
         self._pause = False
         self._clear = False
         self._start_s: float | None = None
@@ -74,15 +75,6 @@ class Commands:
         """Drop all wishes about the last mission."""
         self._start_s, self._pause, self._clear = None, False, False
 
-    @property
-    def reset_wanted(self) -> bool:
-        """True while the robot still has to leave its emergency stop."""
-        return self._reset
-
-    def want_reset(self, wanted: bool) -> None:
-        """Set or withdraw the wish to leave the emergency stop."""
-        self._reset = wanted
-
     def next(
         self, status: Status, upload: Upload | None, all_acknowledged: bool, now_s: float
     ) -> Command | None:
@@ -100,7 +92,7 @@ class Commands:
     def _choose(
         self, number: int, status: Status, upload: Upload | None, now_s: float
     ) -> Command | None:
-        if self._reset:
+        if self.reset_wanted:
             return ResetEstop(number)
         if self._pause:
             return Pause(number)
@@ -133,7 +125,7 @@ class Commands:
             case MessageType.PAUSE:
                 self._pause = False
             case MessageType.RESET_ESTOP:
-                self._reset = False
+                self.reset_wanted = False
             case MessageType.CLEAR if status.mission == 0:
                 self._clear = False
         return CommandEnded(waiting.kind, status.result)

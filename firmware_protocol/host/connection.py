@@ -24,7 +24,6 @@ from firmware_protocol.host.events import (
     StatusReceived,
     StrayHello,
 )
-from firmware_protocol.host.freshest import lease_of
 from firmware_protocol.host.line.clock_sync import ClockEstimate
 from firmware_protocol.host.line.diagnosis import TAKEN_OVER, why_refused, why_silent
 from firmware_protocol.host.line.hearing import Hearing
@@ -41,6 +40,8 @@ from firmware_protocol.wire.messages import (
     Ack,
     Challenge,
     HelloAck,
+    Lease,
+    LeaseFlag,
     PoseFix,
     RobotState,
     Status,
@@ -80,7 +81,8 @@ class HostConnection:
         self._hearing = Hearing()
         self._reason = "the port is not open"
         self._opened_s = 0.0
-        self._heard_s = -math.inf
+        self.heard_s = -math.inf
+        """Time of the session's last frame."""
         self._bytes_s = -math.inf
         self._refused_s = -math.inf
         self._taken = False
@@ -99,13 +101,18 @@ class HostConnection:
         self._change(LinkEvent.CLOSE, reason)
         self._reason = reason
 
-    def upload(self, mission: Mission, now_s: float, start: bool = True) -> None:
+    def upload(
+        self, mission: Mission, now_s: float, start: bool = True, released: int | None = None
+    ) -> None:
         """Replace the mission: stop under control, clear, send, and (``start``) drive.
 
         A mission that the robot already holds continues. LocalError for the id of a void mission:
-        part of it may have been driven.
+        part of it may have been driven. ``released``: number of waypoints sent before
+        :meth:`release`; None: all.
         """
         upload = self._mission.give(mission)
+        if released is not None:
+            upload.hold_back(released)
         self._out.commands.want_mission()
         self._change(LinkEvent.MISSION_OVER, "a mission was given")
         if self.status is not None and self.state is LinkState.STREAM:
@@ -115,6 +122,11 @@ class HostConnection:
                 return
         if start:
             self.start(now_s)
+
+    def release(self, mission_id: int, count: int) -> None:
+        """Release the first ``count`` waypoints, if this is still the mission."""
+        if self.upload_state is not None and self.upload_state.mission.id == mission_id:
+            self.upload_state.release(count)
 
     def start(self, now_s: float) -> None:
         """Drive the mission; LocalError without one."""
@@ -145,7 +157,8 @@ class HostConnection:
 
         It expires ``ttl_s`` later by the robot's clock.
         """
-        self._out.freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
+        flags = LeaseFlag(LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry)
+        self._out.freshest.give_lease(Lease(ttl_s, flags, pose_age_s), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Send once the camera's pose of the robot at host time ``captured_s``."""
@@ -158,7 +171,7 @@ class HostConnection:
     def reset_estop(self, now_s: float) -> None:
         """Leave the emergency stop, in a fresh session; the mission is void."""
         self._out.estop_wanted = False
-        self._out.commands.want_reset(True)
+        self._out.commands.reset_wanted = True
         if self.state.is_up:
             self._drop_session()
             self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
@@ -172,11 +185,6 @@ class HostConnection:
     def next_event(self) -> Event | None:
         """Return the oldest unread event, or None."""
         return self._events.popleft() if self._events else None
-
-    @property
-    def estopped(self) -> bool:
-        """True if the last report was ESTOP."""
-        return self.status is not None and self.status.state is RobotState.ESTOP
 
     @property
     def estop_pending(self) -> bool:
@@ -204,15 +212,6 @@ class HostConnection:
     def pose_captured_s(self) -> float:
         """Capture time of the last pose sent."""
         return self._out.freshest.pose_captured_s
-
-    @property
-    def heard_s(self) -> float:
-        """Time of the session's last frame; -infinity before it."""
-        return self._heard_s
-
-    def heard_age_s(self, now_s: float) -> float:
-        """Time since the session's last frame."""
-        return now_s - self._heard_s
 
     def why_down(self, now_s: float) -> str | None:
         """Reason why no order can be given, if any."""
@@ -252,7 +251,7 @@ class HostConnection:
             return
         if self.state.is_asking:
             return
-        self._heard_s = now_s
+        self.heard_s = now_s
         self._out.window.acknowledge(frame.acknowledged, now_s)
         if frame.nak:
             self.counters.naks += 1
@@ -290,7 +289,7 @@ class HostConnection:
         self._out.nonce = None
         self._out.window = SendWindow(hello.rx_window)
         self._out.window.rtt = self.rtt
-        self._heard_s = now_s
+        self.heard_s = now_s
         self._hearing.begin(now_s)
         self.counters.taken_back += self._taken
         back = "the other host has fallen silent: the robot is taken back"
@@ -321,7 +320,7 @@ class HostConnection:
         self.counters.reboots += 1
         assert self.robot is not None
         self._out.clock.new_boot()
-        self._out.commands.want_reset(False)  # it has not kept its emergency stop
+        self._out.commands.reset_wanted = False  # it has not kept its emergency stop
         self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
         self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
         if self.upload_state is not None:
@@ -350,9 +349,9 @@ class HostConnection:
             if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
                 self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
             return
-        if now_s - self._heard_s > SILENCE_S:
+        if now_s - self.heard_s > SILENCE_S:
             self.counters.links_lost += 1
-            silent_s = now_s - self._heard_s
+            silent_s = now_s - self.heard_s
             self._drop_session()
             self._taken = self._sessions.foreigner_speaks(now_s)
             why = TAKEN_OVER if self._taken else f"no frame for {silent_s:.2f} s"
@@ -385,7 +384,7 @@ class HostConnection:
         if ended is not None:
             self._events.append(ended)
         self._out.drop_session()
-        self._heard_s = -math.inf
+        self.heard_s = -math.inf
         if self.upload_state is not None:
             self.upload_state.new_session()
 

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from firmware_protocol.host.line.clock_sync import ClockEstimate
-from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix
+from firmware_protocol.wire.messages import Lease, PoseFix
 
 ERROR_MAX_S: Final = 0.05
 """At 0.5 m/s a pose dated so wrong is 25 mm off; leases get shorter by as much."""
@@ -68,9 +68,3 @@ class Freshest:
         if self._pose is not None and now_s - self._pose[1] >= _POSE_KEPT_S:
             self._pose = None
             self.stale += 1
-
-
-def lease_of(ttl_s: float, permit: bool, pose_age_s: float, odometry: bool) -> Lease:
-    """Lease in the terms of the control loop."""
-    flags = LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry
-    return Lease(ttl_s, LeaseFlag(flags), pose_age_s)

@@ -54,7 +54,7 @@ class Outgoing:
         """Stop at once, until confirmed; wishes that would move the robot are void."""
         self.estop_wanted = True
         self._estop_s = -math.inf
-        self.commands.want_reset(False)
+        self.commands.reset_wanted = False
         self.commands.want_no_start()
 
     def drop_session(self) -> None:

@@ -1,17 +1,25 @@
-"""The robot's clock over one connection.
+"""The robot's clock over one connection: the questions for it, and their answers.
 
-``clock_sync`` makes the ``estimate``, ``sync_schedule`` times the questions. Seconds of the host's
-monotonic clock.
+Eight quick questions, then one a second, and one at once if a report does not fit. An answer counts
+once, however late; ``clock_sync`` makes the ``estimate``. Seconds of the host's monotonic clock.
 """
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from firmware_protocol.host.freshest import ERROR_MAX_S
-from firmware_protocol.host.line.clock_sync import ClockEstimate
+from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.line.pace import LinePace
-from firmware_protocol.host.line.sync_schedule import SyncSchedule
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status, TimeSync, TimeSyncReply
+
+FAST_S: Final = 0.1
+SLOW_S: Final = 1.0
+FAST_COUNT: Final = 8
+_KEPT: Final = 32
+"""Most questions that await an answer."""
 
 
 class RobotClock:
@@ -23,15 +31,37 @@ class RobotClock:
         """Jumps of either clock."""
         self._asking_s = pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
         self._answering_s = pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
-        self._schedule = SyncSchedule()
+        self._doubted = False
+        self.new_session()
+
+    def new_session(self) -> None:
+        """Void the answers on their way, and ask again quickly: the clock may be another."""
+        self._count = 0
+        self._asked_s = -math.inf
+        self._sent: dict[int, float] = {}
+
+    def new_boot(self) -> None:
+        """Restart: a rebooted robot has a new clock."""
+        self.estimate = ClockEstimate()
+        self.new_session()
 
     def next_question(self, now_s: float) -> TimeSync | None:
         """Question that is due, which then counts as sent, or None."""
-        return self._schedule.next_question(now_s)
+        fast = self._count < FAST_COUNT or self._doubted
+        if now_s - self._asked_s < (FAST_S if fast else SLOW_S):
+            return None
+        self._asked_s = now_s
+        self._count += 1
+        self._doubted = False
+        sent_us = int(now_s * 1e6) % WRAP_US
+        self._sent[sent_us] = now_s
+        if len(self._sent) > _KEPT:
+            del self._sent[next(iter(self._sent))]
+        return TimeSync(sent_us)
 
     def take(self, answer: TimeSyncReply, now_s: float) -> None:
         """Take an answer; ignore one to no question of ours."""
-        sent_s = self._schedule.sent_s(answer.host_sent_us)
+        sent_s = self._sent.pop(answer.host_sent_us, None)
         if sent_s is None:
             return
         before = self.estimate.jumps
@@ -41,17 +71,7 @@ class RobotClock:
 
     def compare(self, status: Status, now_s: float) -> None:
         """Compare a report just received; ask soon if its time does not fit."""
-        if self.estimate.is_in_doubt(status.time_us, now_s):
-            self._schedule.doubt()
-
-    def new_session(self) -> None:
-        """Void the answers on their way; ask again quickly."""
-        self._schedule.begin_again()
-
-    def new_boot(self) -> None:
-        """Restart: a rebooted robot has a new clock."""
-        self.estimate = ClockEstimate()
-        self._schedule.begin_again()
+        self._doubted = self._doubted or self.estimate.is_in_doubt(status.time_us, now_s)
 
     def why_unknown(self, now_s: float) -> str | None:
         """Reason why no lease can be dated; None if one can."""

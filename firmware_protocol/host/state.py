@@ -59,12 +59,8 @@ _ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
 
 TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
     (LinkState.CLOSED, LinkEvent.OPEN): LinkState.HELLO,
-    (LinkState.HELLO, LinkEvent.GREETED): LinkState.VERIFY,
-    (LinkState.LINK_LOST, LinkEvent.GREETED): LinkState.VERIFY,
-    (LinkState.REFUSED, LinkEvent.GREETED): LinkState.VERIFY,
-    (LinkState.HELLO, LinkEvent.REFUSED): LinkState.REFUSED,
-    (LinkState.LINK_LOST, LinkEvent.REFUSED): LinkState.REFUSED,
-    (LinkState.REFUSED, LinkEvent.REFUSED): LinkState.REFUSED,
+    **{(state, LinkEvent.GREETED): LinkState.VERIFY for state in _ASKING},
+    **{(state, LinkEvent.REFUSED): LinkState.REFUSED for state in _ASKING},
     (LinkState.REFUSED, LinkEvent.SILENCE): LinkState.HELLO,
     (LinkState.VERIFY, LinkEvent.VERIFIED): LinkState.STREAM,
     (LinkState.VERIFY, LinkEvent.REBOOT): LinkState.REBOOTED,

@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from enum import IntEnum
 from struct import Struct
 from struct import error as struct_error
@@ -83,15 +83,7 @@ class ParserCounters:
     @property
     def faults(self) -> int:
         """Sum of all faults."""
-        return (
-            self.cobs_errors
-            + self.short_frames
-            + self.crc_errors
-            + self.length_errors
-            + self.oversize
-            + self.echoes
-            + self.version_errors
-        )
+        return sum(astuple(self)) - self.bytes - self.frames
 
 
 def encode_frame(frame: WireFrame, sender: Sender) -> bytes:

@@ -12,6 +12,7 @@ from typing import ClassVar, Final, Self
 
 from firmware_protocol.wire.errors import LocalError, RemoteError
 from firmware_protocol.wire.framing import MAX_PAYLOAD, VERSION
+from firmware_protocol.wire.plain_message import PlainMessage
 from firmware_protocol.wire.values import (
     NO_POSE_MS,
     UM_PER_M,
@@ -52,23 +53,13 @@ class Hello:
 
 
 @dataclass(frozen=True, slots=True)
-class Confirm:
+class Confirm(PlainMessage):
     """The robot's number returned: the host is live, not a recording."""
 
     nonce: int
 
     TYPE: ClassVar[MessageType] = MessageType.CONFIRM
     LAYOUT: ClassVar[Struct] = Struct("<I")
-
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.nonce)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (nonce,) = unpack_exactly("CONFIRM", cls.LAYOUT, payload)
-        return cls(nonce)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +154,7 @@ class Waypoints:
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class Start(PlainMessage):
     """Drive, from waypoint ``exec_next`` of ``mission``; ``command`` numbers the commands."""
 
     command: int
@@ -173,19 +164,9 @@ class Start:
     TYPE: ClassVar[MessageType] = MessageType.START
     LAYOUT: ClassVar[Struct] = Struct("<HII")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.command, self.mission, self.exec_next)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        command, mission, exec_next = unpack_exactly("START", cls.LAYOUT, payload)
-        return cls(command, mission, exec_next)
-
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Pause(PlainMessage):
     """Stop under control and keep the queue."""
 
     command: int
@@ -193,19 +174,9 @@ class Pause:
     TYPE: ClassVar[MessageType] = MessageType.PAUSE
     LAYOUT: ClassVar[Struct] = Struct("<H")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.command)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (command,) = unpack_exactly("PAUSE", cls.LAYOUT, payload)
-        return cls(command)
-
 
 @dataclass(frozen=True, slots=True)
-class Clear:
+class Clear(PlainMessage):
     """Stop under control, drop the queue; ``mission`` is the next one (0: none)."""
 
     command: int
@@ -214,35 +185,15 @@ class Clear:
     TYPE: ClassVar[MessageType] = MessageType.CLEAR
     LAYOUT: ClassVar[Struct] = Struct("<HI")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.command, self.mission)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        command, mission = unpack_exactly("CLEAR", cls.LAYOUT, payload)
-        return cls(command, mission)
-
 
 @dataclass(frozen=True, slots=True)
-class ResetEstop:
+class ResetEstop(PlainMessage):
     """Leave the latched stop; obeyed only in a session younger than the stop."""
 
     command: int
 
     TYPE: ClassVar[MessageType] = MessageType.RESET_ESTOP
     LAYOUT: ClassVar[Struct] = Struct("<H")
-
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.command)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (command,) = unpack_exactly("RESET_ESTOP", cls.LAYOUT, payload)
-        return cls(command)
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,20 +256,10 @@ class PoseFix:
 
 
 @dataclass(frozen=True, slots=True)
-class TimeSync:
+class TimeSync(PlainMessage):
     """Question for the robot's clock; microseconds, modulo 2**32."""
 
     host_sent_us: int
 
     TYPE: ClassVar[MessageType] = MessageType.TIMESYNC
     LAYOUT: ClassVar[Struct] = Struct("<I")
-
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.host_sent_us)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (host_sent_us,) = unpack_exactly("TIMESYNC", cls.LAYOUT, payload)
-        return cls(host_sent_us)

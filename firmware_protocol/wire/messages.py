@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, get_args
 
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.errors import RemoteError
@@ -51,9 +51,7 @@ from firmware_protocol.wire.vocabulary import (
 
 Message: TypeAlias = (
     Hello
-    | HelloAck
     | Confirm
-    | Challenge
     | Waypoints
     | Start
     | Pause
@@ -62,31 +60,15 @@ Message: TypeAlias = (
     | Lease
     | PoseFix
     | TimeSync
-    | TimeSyncReply
+    | HelloAck
+    | Challenge
     | Ack
     | Status
+    | TimeSyncReply
 )
+"""In the order of the schema."""
 
-MESSAGES: Final = {
-    message.TYPE: message
-    for message in (
-        Hello,
-        Confirm,
-        Waypoints,
-        Start,
-        Pause,
-        Clear,
-        ResetEstop,
-        Lease,
-        PoseFix,
-        TimeSync,
-        HelloAck,
-        Challenge,
-        Ack,
-        Status,
-        TimeSyncReply,
-    )
-}
+MESSAGES: Final[dict[MessageType, type[Message]]] = {one.TYPE: one for one in get_args(Message)}
 RELIABLE: Final = frozenset(
     (
         MessageType.WAYPOINTS,

@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import astuple, dataclass
 from struct import Struct
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.plain_message import PlainMessage
 from firmware_protocol.wire.values import (
     NO_POSE_MS,
     UM_PER_M,
@@ -32,7 +33,7 @@ from firmware_protocol.wire.vocabulary import (
 
 
 @dataclass(frozen=True, slots=True)
-class HelloAck:
+class HelloAck(PlainMessage):
     """The robot's answer: its identity and state. Layout frozen for ever."""
 
     major: int
@@ -56,36 +57,16 @@ class HelloAck:
     TYPE: ClassVar[MessageType] = MessageType.HELLO_ACK
     LAYOUT: ClassVar[Struct] = Struct("<BBIIIBBHBBIIIII")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(
-            self.major,
-            self.minor,
-            self.schema,
-            self.firmware,
-            self.boot_id,
-            self.reset_cause,
-            self.max_payload,
-            self.rx_window,
-            self.queue_size,
-            self.state,
-            self.mission,
-            self.accept_next,
-            self.exec_next,
-            self.prefix_crc,
-            self.exec_crc,
-        )
-
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload."""
-        v = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
-        cause, state = known(ResetCause, v[5]), known(RobotState, v[9])
-        return cls(v[0], v[1], v[2], v[3], v[4], cause, v[6], v[7], v[8], state, *v[10:])
+        v: list[Any] = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
+        v[5], v[9] = known(ResetCause, v[5]), known(RobotState, v[9])
+        return cls(*v)
 
 
 @dataclass(frozen=True, slots=True)
-class Challenge:
+class Challenge(PlainMessage):
     """Number that the host must return to open the session."""
 
     nonce: int
@@ -94,19 +75,9 @@ class Challenge:
     TYPE: ClassVar[MessageType] = MessageType.CHALLENGE
     LAYOUT: ClassVar[Struct] = Struct("<I")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.nonce)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (nonce,) = unpack_exactly("CHALLENGE", cls.LAYOUT, payload)
-        return cls(nonce)
-
 
 @dataclass(frozen=True, slots=True)
-class TimeSyncReply:
+class TimeSyncReply(PlainMessage):
     """The robot's clock at receipt and at the answer; microseconds, modulo 2**32."""
 
     host_sent_us: int
@@ -116,35 +87,15 @@ class TimeSyncReply:
     TYPE: ClassVar[MessageType] = MessageType.TIMESYNC_REPLY
     LAYOUT: ClassVar[Struct] = Struct("<III")
 
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.host_sent_us, self.robot_received_us, self.robot_sent_us)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        sent, received, answered = unpack_exactly("TIMESYNC_REPLY", cls.LAYOUT, payload)
-        return cls(sent, received, answered)
-
 
 @dataclass(frozen=True, slots=True)
-class Ack:
+class Ack(PlainMessage):
     """Immediate acknowledgement; sequence and credit are in the frame's header."""
 
     accept_next: int
 
     TYPE: ClassVar[MessageType] = MessageType.ACK
     LAYOUT: ClassVar[Struct] = Struct("<I")
-
-    def pack(self) -> bytes:
-        """The payload."""
-        return self.LAYOUT.pack(self.accept_next)
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Read a payload."""
-        (accept_next,) = unpack_exactly("ACK", cls.LAYOUT, payload)
-        return cls(accept_next)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,18 +146,7 @@ class Status:
     def pack(self) -> bytes:
         """The payload; values beyond the wire's range are clamped."""
         return self.LAYOUT.pack(
-            self.time_us,
-            self.boot_id,
-            self.mission,
-            self.accept_next,
-            self.exec_next,
-            self.prefix_crc,
-            self.exec_crc,
-            self.state,
-            self.flags,
-            self.reason,
-            self.result,
-            self.command,
+            *(getattr(self, name) for name in self.__slots__[:12]),
             saturated(self.x_m * UM_PER_M, 0x7FFFFFFF),
             saturated(self.y_m * UM_PER_M, 0x7FFFFFFF),
             heading_to_wire(self.heading_rad),
@@ -220,31 +160,14 @@ class Status:
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload."""
-        v = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
+        v: list[Any] = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
         heading = heading_from_wire(v[14])
         if heading is None:
             raise RemoteError("STATUS without a heading")
         if v[8] & ~0x3F:
             raise RemoteError(f"STATUS flags {v[8]:#x}: unknown")
-        return cls(
-            time_us=v[0],
-            boot_id=v[1],
-            mission=v[2],
-            accept_next=v[3],
-            exec_next=v[4],
-            prefix_crc=v[5],
-            exec_crc=v[6],
-            state=known(RobotState, v[7]),
-            flags=StatusFlag(v[8]),
-            reason=known(StopReason, v[9]),
-            result=known(CommandResult, v[10]),
-            command=v[11],
-            x_m=v[12] / UM_PER_M,
-            y_m=v[13] / UM_PER_M,
-            heading_rad=heading,
-            speed_m_s=v[15] / 1e3,
-            turn_rad_s=v[16] / 1e3,
-            pose_age_s=math.inf if v[17] == NO_POSE_MS else v[17] / 1e3,
-            lease_left_s=v[18] / 1e3,
-            counters=RobotCounters(*v[19:]),
-        )
+        v[7], v[8] = known(RobotState, v[7]), StatusFlag(v[8])
+        v[9], v[10] = known(StopReason, v[9]), known(CommandResult, v[10])
+        pose = (v[12] / UM_PER_M, v[13] / UM_PER_M, heading, v[15] / 1e3, v[16] / 1e3)
+        age_s = math.inf if v[17] == NO_POSE_MS else v[17] / 1e3
+        return cls(*v[:12], *pose, age_s, v[18] / 1e3, RobotCounters(*v[19:]))

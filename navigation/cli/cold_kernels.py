@@ -13,10 +13,9 @@ Part = Literal["eye", "planner"]
 
 def compile_what_is_missing(*parts: Part) -> None:
     """Compile the parts' kernels that are not kept yet, and count them on stderr."""
-    missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {}
-    for part in parts:
-        if _is_cold(part):
-            missing[part] = (_work_of(part), ())
+    missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {
+        part: (_work_of(part), ()) for part in parts if _is_cold(part)
+    }
     if not missing:
         return
     from navigation.run.kernels.compiling import compile_parts

@@ -39,7 +39,8 @@ def man_page() -> str:
 
 def _lines() -> Iterator[str]:
     yield f'.TH CLEARWAY 1 "" "Clearway {version("clearway")}" "Clearway Manual"'
-    yield from (".SH NAME", _plain(f"clearway - {_first_sentence(clearway.help)}"))
+    sentence = (clearway.help or "").strip().split("\n\n")[0].rstrip(".")
+    yield from (".SH NAME", _plain(f"clearway - {sentence}"))
     yield ".SH SYNOPSIS"
     yield r".B clearway"
     yield _plain("[--debug] [--version] [--help] COMMAND [OPTION]... [ARGUMENT]...")
@@ -98,10 +99,6 @@ def _options(command: click.Command, ctx: click.Context) -> Iterator[str]:
         if "--help" in option.opts:  # the caller decides which of its names a command has kept
             names = "-h, --help"
         yield from (".TP", f".B {_escaped(names)}", _plain(meaning))
-
-
-def _first_sentence(text: str | None) -> str:
-    return (text or "").strip().split("\n\n")[0].rstrip(".").replace("\n", " ")
 
 
 def _plain(text: str) -> str:

@@ -240,11 +240,24 @@ RADIUS_OPTION = click.option(
 SPACING_OPTION = click.option(
     "--spacing", type=POSITIVE, help="Largest distance between generators; less than 2 radius."
 )
+
+
+def check_spacing(spacing: float | None, radius: float) -> None:
+    """Raise click's error about a ``--spacing`` that is too wide for the radius."""
+    if spacing is not None and spacing >= 2.0 * radius:
+        raise click.BadParameter(
+            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
+        )
+
+
 ZONES_OPTION = click.option(
     "--zones",
     "zones_file",
     type=INPUT,
     help="Zones to keep to: a YAML list as in a configuration, in the scene's units.",
+)
+SOCKET_OPTION = click.option(
+    "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket."
 )
 LEAST_AREA_OPTION = click.option(
     "--least-area",

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from planner.scene import Scene
 
 
-class OutputError(ValueError):
-    """Error: an answer cannot be written."""
+class CommandError(ValueError):
+    """Error: a command's input, request or output cannot be used."""
 
 
 def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
@@ -43,7 +43,7 @@ def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path
 
 
 def write_text(path: Path | None, text: str) -> None:
-    """Write a whole file as UTF-8, or to standard output for None or ``-``; ``OutputError``."""
+    """Write a whole file as UTF-8, or to standard output for None or ``-``; ``CommandError``."""
     if path is None or path == STANDARD_STREAM:
         click.echo(text, nl=False)
         return
@@ -51,11 +51,11 @@ def write_text(path: Path | None, text: str) -> None:
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write a whole file; ``OutputError``."""
+    """Write a whole file; ``CommandError``."""
     try:
         path.write_bytes(data)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise CommandError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 class Stopwatch(dict[str, float]):

@@ -6,21 +6,31 @@ One of `robot` or `serial` that does not take `robots` is made for each robot.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Final
 
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
 from navigation.config.sections import MarkerSection
 from navigation.config.several import camera_checks, fleet_checks
-from navigation.config.several.each_robot import robot_of
-from navigation.config.values import SIMULATED, Place
+from navigation.config.several.each_robot import named_places
+from navigation.config.values import SIMULATED, Place, with_own
 from navigation.config.zones import zone_checks
 
 MOST_STEPS = 1_000_000
 """Generators along an arena's walls, and waypoints once around it."""
 
 _Found = Iterator[tuple[Location, str]]
+_HOLDS: Final = {"<": operator.lt, "<=": operator.le, ">=": operator.ge}
+
+
+def _limited(
+    where: Location, value: float, sign: str, limit: float, why: str, digits: int = 6
+) -> _Found:
+    """Yield the sentence on a value beyond a limit; ``why`` follows the limit."""
+    if not _HOLDS[sign](value, limit):
+        yield where, f"must be {sign} {limit:.{digits}g}{why}, not {value:g}"
 
 
 def _bounds_have_an_inside(arena: Any) -> _Found:
@@ -53,18 +63,14 @@ def _fixed_has_a_threshold(vision: Any) -> _Found:
 
 def _robot_fits_together(robot: Any) -> _Found:
     yield from _marker_lies_on_the_body(robot, ("robot",))
-    if robot.track_m > 2 * robot.radius_m:
-        limit = 2 * robot.radius_m
-        yield ("robot", "track_m"), f"must be <= {limit:g}, the body's width, not {robot.track_m:g}"
+    width_m = 2 * robot.radius_m
+    yield from _limited(("robot", "track_m"), robot.track_m, "<=", width_m, ", the body's width")
 
 
 def _wheels_can_crawl(robot: Any) -> _Found:
-    least, limit = robot.least_wheel_m_s, robot.speed_m_s
-    if least is not None and least >= limit:
-        yield (
-            ("robot", "least_wheel_m_s"),
-            f"must be < {limit:g}, robot.speed_m_s, not {least:g}",
-        )
+    where, least = ("robot", "least_wheel_m_s"), robot.least_wheel_m_s
+    if least is not None:
+        yield from _limited(where, least, "<", robot.speed_m_s, ", robot.speed_m_s")
 
 
 def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
@@ -79,33 +85,19 @@ def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
             yield ("serial", "port"), "an address needs a robot.driver other than 'clearway'"
         return
     known = KNOWN_ROBOTS[robot.driver]
-    if robot.speed_m_s > known.speed_m_s:
-        yield _beyond(
-            ("robot", "speed_m_s"), robot.speed_m_s, known.speed_m_s, f"the {known.title}'s"
-        )
-    turn = 2 * known.wheel_m_s / robot.track_m
-    if robot.angular_rate_rad_s > turn:
-        why = f"the {known.title}'s wheels at {known.wheel_m_s:g} m/s"
-        yield _beyond(("robot", "angular_rate_rad_s"), robot.angular_rate_rad_s, turn, why)
-    if robot.radius_m < known.radius_m:
-        yield (
-            ("robot", "radius_m"),
-            f"must be >= {known.radius_m:g}, the {known.title}'s body, not {robot.radius_m:g}",
-        )
-
-
-def _beyond(where: Location, value: float, limit: float, why: str) -> tuple[Location, str]:
-    return where, f"must be <= {limit:.4g}, {why}, not {value:g}"
+    turn_rad_s = 2 * known.wheel_m_s / robot.track_m
+    wheels = f", the {known.title}'s wheels at {known.wheel_m_s:g} m/s"
+    for key, value, sign, limit, why in (
+        ("speed_m_s", robot.speed_m_s, "<=", known.speed_m_s, f", the {known.title}'s"),
+        ("angular_rate_rad_s", robot.angular_rate_rad_s, "<=", turn_rad_s, wheels),
+        ("radius_m", robot.radius_m, ">=", known.radius_m, f", the {known.title}'s body"),
+    ):
+        yield from _limited(("robot", key), value, sign, limit, why, digits=4)
 
 
 def _marker_lies_on_the_body(robot: MarkerSection, where: Location) -> _Found:
-    limit = robot.radius_m * 2**0.5
-    if robot.marker_size_m > limit:
-        yield (
-            (*where, "marker_size_m"),
-            f"must be <= {limit:.4g} to lie on the body of radius {robot.radius_m:g}, "
-            f"not {robot.marker_size_m:g}",
-        )
+    limit, why = robot.radius_m * 2**0.5, f" to lie on the body of radius {robot.radius_m:g}"
+    yield from _limited((*where, "marker_size_m"), robot.marker_size_m, "<=", limit, why, digits=4)
 
 
 def _robots_differ(robot: Any, robots: Any, other_robots: Any) -> _Found:
@@ -155,41 +147,26 @@ def _floor_markers_can_be_told_apart(
 
 
 def _speeds_agree(robot: Any, planning: Any) -> _Found:
-    if planning.slow_speed_m_s > robot.speed_m_s:
-        limit = robot.speed_m_s
-        yield (
-            ("planning", "slow_speed_m_s"),
-            f"must be <= {limit:g}, robot.speed_m_s, not {planning.slow_speed_m_s:g}",
-        )
+    where, limit = ("planning", "slow_speed_m_s"), robot.speed_m_s
+    yield from _limited(where, planning.slow_speed_m_s, "<=", limit, ", robot.speed_m_s")
 
 
 def _spacing_is_fine_enough(robot: Any, planning: Any) -> _Found:
-    if planning.spacing_m is not None and planning.spacing_m >= 2 * robot.radius_m:
-        limit = 2 * robot.radius_m
-        yield (
-            ("planning", "spacing_m"),
-            f"must be < {limit:g}, twice the robot's radius, not {planning.spacing_m:g}",
-        )
+    if planning.spacing_m is not None:
+        where, limit = ("planning", "spacing_m"), 2 * robot.radius_m
+        yield from _limited(where, planning.spacing_m, "<", limit, ", twice the robot's radius")
 
 
 def _robot_fits_into_the_arena(arena: Any, robot: Any) -> _Found:
+    """Its bends too."""
     x0, y0, x1, y1 = arena.bounds_m
-    limit = min(x1 - x0, y1 - y0) / 2
-    if 0.0 < limit < robot.radius_m:
-        yield (
-            ("robot", "radius_m"),
-            f"must be <= {limit:g}, half the arena's shorter side, not {robot.radius_m:g}",
-        )
-
-
-def _bends_fit_into_the_arena(arena: Any, robot: Any) -> _Found:
-    x0, y0, x1, y1 = arena.bounds_m
-    limit = max(x1 - x0, y1 - y0)
-    if 0.0 < limit < robot.turning_radius_m:
-        yield (
-            ("robot", "turning_radius_m"),
-            f"must be <= {limit:g}, the arena's longer side, not {robot.turning_radius_m:g}",
-        )
+    short, long = sorted((x1 - x0, y1 - y0))
+    if short > 0.0:
+        where, why = ("robot", "radius_m"), ", half the arena's shorter side"
+        yield from _limited(where, robot.radius_m, "<=", short / 2, why)
+    if long > 0.0:
+        where, why = ("robot", "turning_radius_m"), ", the arena's longer side"
+        yield from _limited(where, robot.turning_radius_m, "<=", long, why)
 
 
 def _plans_stay_small(arena: Any, robot: Any, planning: Any) -> _Found:
@@ -206,9 +183,8 @@ def _plans_stay_small(arena: Any, robot: Any, planning: Any) -> _Found:
         (where, spacing_m),
         (("planning", "waypoint_spacing_m"), planning.waypoint_spacing_m),
     ):
-        if around_m > MOST_STEPS * step_m:
-            limit = around_m / MOST_STEPS
-            yield place, f"must be >= {limit:.4g} in an arena of this size, not {step_m:g}"
+        limit, why = around_m / MOST_STEPS, " in an arena of this size"
+        yield from _limited(place, step_m, ">=", limit, why, digits=4)
 
 
 def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) -> _Found:
@@ -296,27 +272,15 @@ def _places_of_each_lie_inside(
     arena: Any, robot: Any, robots: Any, mission: Any, simulation: Any
 ) -> _Found:
     for entry in robots:
-        places: list[tuple[Location, Place]] = [
-            (("mission", "robots", i, "stations", j), station)
-            for i, one in enumerate(mission.robots)
-            if one.name == entry.name
-            for j, station in enumerate(one.stations)
+        own = [
+            (at, one) for at, name, one in named_places(mission, simulation) if name == entry.name
         ]
-        if simulation is not None:
-            places += [
-                (("simulation", "starts", i), one)
-                for i, one in enumerate(simulation.starts)
-                if one.name == entry.name
-            ]
-        yield from _inside(arena, robot_of(robot, entry), places)
+        yield from _inside(arena, with_own(robot, entry), own)
 
 
 def _lease_outlives_the_pose(safety: Any) -> _Found:
-    if safety.lease_s < safety.pose_stale_s:
-        yield (
-            ("safety", "lease_s"),
-            f"must be >= {safety.pose_stale_s:g}, safety.pose_stale_s, not {safety.lease_s:g}",
-        )
+    limit, why = safety.pose_stale_s, ", safety.pose_stale_s"
+    yield from _limited(("safety", "lease_s"), safety.lease_s, ">=", limit, why)
 
 
 def _strangers_need_a_token(dashboard: Any) -> _Found:
@@ -359,7 +323,6 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robot", "planning"), _speeds_agree),
     (("robot", "planning"), _spacing_is_fine_enough),
     (("arena", "robot"), _robot_fits_into_the_arena),
-    (("arena", "robot"), _bends_fit_into_the_arena),
     (("arena", "robot", "planning"), _plans_stay_small),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),

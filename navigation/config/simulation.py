@@ -31,6 +31,7 @@ from navigation.config.values import (
     RelativeError,
     Section,
     Text,
+    as_in,
 )
 
 
@@ -103,33 +104,17 @@ class SimulatedCameraSection(Section):
         return terms
 
 
+@as_in(
+    SimulatedCameraSection, leave_out=("centre_offset_px", "lens_model", "blur_px", "noise_grey")
+)
 class SimulatedCameraEntry(Section):
     """Differences of one of several simulated cameras from ``simulation.camera``; empty keys are as
     there.
     """
 
     name: Name = Field(description="which of cameras it is")
-    position_m: tuple[Metres, Metres, Length] | None = Field(
-        default=None, description="[x, y, height] of the lens"
-    )
-    tilt_deg: tuple[Degrees, Degrees] | None = Field(
-        default=None, description="leaning from straight down: [about x, about y]"
-    )
-    turn_deg: Degrees | None = Field(default=None, description="turned about its own axis")
-    focal_px: Annotated[Positive, Field(ge=1)] | None = Field(
-        default=None, description="focal length"
-    )
     distortion: tuple[Number, Number, Number, Number, Number] | None = Field(
         default=None, description="OpenCV's [k1, k2, p1, p2, k3]"
-    )
-    light_fall: Fraction | None = Field(
-        default=None, description="how much darker the darkest corner's light is"
-    )
-    latency_s: Annotated[NotNegative, Field(le=10)] | None = Field(
-        default=None, description="from the exposure to the program"
-    )
-    knocks: tuple[SimulatedKnockSection, ...] | None = Field(
-        default=None, max_length=MOST_HAPPENINGS, description="knocks against it alone"
     )
 
 

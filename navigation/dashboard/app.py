@@ -16,7 +16,14 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from navigation.dashboard.admission.access import PROTOCOL, AccessGate, Refusal, bearer_of, token_of
+from navigation.dashboard.admission.access import (
+    PROTOCOL,
+    AccessGate,
+    Refusal,
+    bearer_of,
+    refused,
+    token_of,
+)
 from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.calibrating.routes import calibration_routes
 from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
@@ -28,7 +35,6 @@ from navigation.dashboard.orders import buttons
 from navigation.dashboard.settings.desk import Desk
 from navigation.dashboard.settings.routes import settings_routes
 from navigation.dashboard.viewer import Viewer
-from navigation.dashboard.visits import refused
 
 MOST_BODY_BYTES: Final = 4096
 HTML: Final = "text/html; charset=utf-8"

@@ -6,10 +6,11 @@ With several robots a value has a label: ``robot="ada"``.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any, Final, TypeAlias
 
 from prometheus_client import CollectorRegistry, generate_latest
-from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from navigation.dashboard.hub import Hub
@@ -113,34 +114,29 @@ _LINK_COUNTERS: Final = (
 )
 
 
-def _label(name: str | None) -> list[str]:
-    return [] if name is None else [name]
-
-
-def _labels(values: _Values) -> list[str]:
-    return [] if None in values else ["robot"]
-
-
-def _gauge_of(name: str, text: str, values: _Values) -> GaugeMetricFamily:
-    family = GaugeMetricFamily(f"clearway_{name}", text, labels=_labels(values))
+def _family(
+    kind: type[GaugeMetricFamily | CounterMetricFamily], name: str, text: str, values: _Values
+) -> Metric:
+    family = kind(f"clearway_{name}", text, labels=[] if None in values else ["robot"])
     for robot, value in values.items():
         if value is not None:
             family.add_metric(_label(robot), float(value))
     return family
 
 
-def _counter_of(name: str, text: str, values: _Values) -> CounterMetricFamily:
-    family = CounterMetricFamily(f"clearway_{name}", text, labels=_labels(values))
-    for robot, value in values.items():
-        family.add_metric(_label(robot), float(value or 0.0))
-    return family
+def _label(name: str | None) -> list[str]:
+    return [] if name is None else [name]
 
 
-def _gauge(name: str, text: str, value: float | bool | None) -> GaugeMetricFamily:
+_gauge_of: Final = partial(_family, GaugeMetricFamily)
+_counter_of: Final = partial(_family, CounterMetricFamily)
+
+
+def _gauge(name: str, text: str, value: float | bool | None) -> Metric:
     return _gauge_of(name, text, {None: value})
 
 
-def _counter(name: str, text: str, value: float) -> CounterMetricFamily:
+def _counter(name: str, text: str, value: float) -> Metric:
     return _counter_of(name, text, {None: value})
 
 

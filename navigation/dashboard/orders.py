@@ -68,17 +68,13 @@ def give(request: Mapping[str, Any], people: People, who: str) -> dict[str, Any]
         return {"ok": False, "error": f"order {in_short(name)}: is none of the page's"}
     if order.sets_going and stopped:
         return {"ok": False, "error": "the robot is stopped: re-arm it first"}
-    if name == "zone_put" and (refusal := _refusal_of_zone(request.get("zone"))) is not None:
-        return {"ok": False, "error": refusal}
+    zone = request.get("zone")
+    if name == "zone_put" and isinstance(zone, dict) and "mask" in zone:
+        # a page may name no file of this computer
+        sentence = "zone: mask: a file is named in the configuration, not on the page"
+        return {"ok": False, "error": sentence}
     passed = ("order", "robot", *order.arguments)
     return carry_out({k: v for k, v in request.items() if k in passed}, people)
-
-
-def _refusal_of_zone(zone: object) -> str | None:
-    """Reason for refusing a zone from a page, which may name no file of this computer."""
-    if isinstance(zone, dict) and "mask" in zone:
-        return "zone: mask: a file is named in the configuration, not on the page"
-    return None
 
 
 def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[str, Any]:

@@ -65,9 +65,10 @@ class Dashboard:
     ) -> None:
         self._daemon, self._say, self._desk, self._bench = daemon, say, desk, bench
         kept = daemon.config.recording
-        self._make_hub = hub
+        self._make_hub = hub or partial(
+            Hub, daemon, clock=clock, wall_clock=wall_clock, own_token=own_token
+        )
         self._runs = runs or KeptRuns(kept.runs_dir, kept.folder)
-        self._clock, self._wall_clock = clock, wall_clock
         self._show_token, self._own_token = show_token, own_token
         self._section = daemon.config.dashboard
         self.url: str | None = None
@@ -126,17 +127,9 @@ class Dashboard:
         except Exception as error:  # noqa: BLE001 - the run continues without its page
             self._say(hide(f"the dashboard has ended: {error}"))
 
-    def _hub_of_a_run(self) -> Hub:
-        return Hub(
-            self._daemon,
-            clock=self._clock,
-            wall_clock=self._wall_clock,
-            own_token=self._own_token,
-        )
-
     async def _serve(self) -> None:
         self._loop = asyncio.get_running_loop()
-        self.hub = hub = (self._make_hub or self._hub_of_a_run)()
+        self.hub = hub = self._make_hub()
         listener = self._socket
         assert listener is not None
         # here, since uvicorn would change the client before the listener has seen it

@@ -19,12 +19,10 @@ class ShownZones(Protocol):
 
     def zones(self) -> tuple[Zone, ...]:
         """Return all of them."""
-        ...
 
     @property
     def revision(self) -> int:
         """Number that changes with the zones."""
-        ...
 
 
 class Shown(Protocol):
@@ -33,28 +31,22 @@ class Shown(Protocol):
     @property
     def config(self) -> Config:
         """Configuration of the run."""
-        ...
 
     @property
     def calibration(self) -> Calibration:
         """Mapping from pixels to the floor."""
-        ...
 
     @property
     def state(self) -> RunState | None:
         """State at the end of the last cycle, a new object each time; None before the first."""
-        ...
 
     def camera_status(self) -> CameraStatus:
         """The camera's state, rate and counts."""
-        ...
 
     @property
     def zones(self) -> ShownZones:
         """The zones in force, or of the moment shown."""
-        ...
 
     @property
     def people(self) -> People | None:
         """The target of orders; None for a recording."""
-        ...

@@ -60,15 +60,7 @@ class Viewer:
         self.name = NAMELESS
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
-        self._sent: dict[str, int] = {
-            "state": 0,
-            "world": 0,
-            "plan": 0,
-            "heat": 0,
-            "zones": 0,
-            "places": 0,
-            "picture": 0,
-        }
+        self._sent: defaultdict[str, int] = defaultdict(int)
         self._next: defaultdict[tuple[str, str | None], int] = defaultdict(int)
         self._epoch = hub.epoch
         self._bad = 0
@@ -101,7 +93,7 @@ class Viewer:
 
     async def _greet(self) -> None:
         self._epoch = self.hub.epoch
-        self._sent = dict.fromkeys(self._sent, 0)
+        self._sent.clear()
         self._next.clear()
         role = "nobody" if self.hub.refusal else self.role.value
         await self._send_json({**self.hub.hello, "number": self.number, "role": role})
@@ -227,7 +219,7 @@ class Viewer:
                 self._ask_preview(message)
             case "replay":
                 error = self.hub.steer(message)
-                self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+                self._reply(message, _outcome(error))
             case "place":
                 self._ask_place(message)
             case "ping":
@@ -268,7 +260,7 @@ class Viewer:
             raise MalformedError("take: join first")
         else:
             error = self._take_control()
-        self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+        self._reply(message, _outcome(error))
 
     def _take_control(self) -> str | None:
         """Take control, and inform both pages if another one loses it; return why not."""
@@ -316,7 +308,7 @@ class Viewer:
             if error is None:
                 what = str(message["do"]).removesuffix("e") + "ed"
                 hub.note("info", f"{self.name} {what} the place {message['name'].strip()!r}")
-            self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+            self._reply(message, _outcome(error))
 
         task = asyncio.ensure_future(work())
         self._saving.add(task)
@@ -356,6 +348,10 @@ def _read(text: str | None) -> dict[str, Any]:
     if text is None:
         raise MalformedError("a message must be text")
     return read_object(text)
+
+
+def _outcome(error: str | None) -> dict[str, Any]:
+    return {"ok": True} if error is None else {"ok": False, "error": error}
 
 
 def _number_of(message: dict[str, Any]) -> int | None:

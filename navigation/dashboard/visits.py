@@ -14,11 +14,11 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import JSONResponse, Response
 
 from navigation.config.errors import ConfigError
 from navigation.config.secrecy.secrets import hide, hide_in
-from navigation.dashboard.admission.access import Refusal, bearer_of
+from navigation.dashboard.admission.access import Refusal, bearer_of, refused
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.shown import IT_IS_A_RECORDING
 from navigation.mission.mission import State
@@ -124,9 +124,3 @@ class Visits:
         except (RefusedError, ConfigError) as error:
             return JSONResponse({"ok": False, "error": hide(str(error))}), None
         return JSONResponse(hide_in(answer)), answer
-
-
-def refused(refusal: Refusal) -> Response:
-    """Response to a visitor who is turned away."""
-    headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
-    return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)

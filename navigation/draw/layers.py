@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from navigation.draw.driven import DrawnRobot, driven_shapes, plan_shapes
 from navigation.draw.numbers import costs, obstacle_labels
-from navigation.draw.outlines import chain_points, ring_points
+from navigation.draw.outlines import chain_points, object_lines, ring_points
 from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import (
     BOTTLENECK,
@@ -47,7 +47,6 @@ from planner.scene import (
     PointRecord,
     PolygonRecord,
     Scene,
-    object_records,
 )
 from planner.zones.zone import Zone
 
@@ -180,12 +179,9 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
 
 def screen_borders(scene: Scene, screen: Screen) -> list[list[FloatArray]]:
     """Each object's borders (n, 2), or its points, in screen pixels."""
-    borders = []
-    for obj in scene.objects:
-        lines = [chain_points(record, scene.y_down) for record in object_records(obj)]
-        lines += [np.array([r.at]) for r in obj.records if isinstance(r, PointRecord)]
-        borders.append([screen.points(line) for line in lines if len(line)])
-    return borders
+    return [
+        [screen.points(line) for line in object_lines(obj, scene.y_down)] for obj in scene.objects
+    ]
 
 
 def _numbers(content: Content, screen: Screen) -> Iterator[Shape]:

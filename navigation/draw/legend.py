@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -24,6 +26,7 @@ from navigation.draw.shapes import (
     RAMP_STEPS,
     TRACK,
     Area,
+    Colour,
     DiscShape,
     Label,
     Layer,
@@ -43,6 +46,8 @@ ROW = 26.0
 """Pixels between rows."""
 _TEXT = 40.0
 """Left side of the words."""
+_Mark: TypeAlias = Callable[[float], Sequence[Shape]]
+"""A row's mark at its height."""
 
 
 def legend(content: Content, screen: Screen, left: float, top: float, bottom: float) -> Layer:
@@ -53,8 +58,8 @@ def legend(content: Content, screen: Screen, left: float, top: float, bottom: fl
         shapes.append(Label(left, y + 4.0, line, 12.0, FAINT_INK))
         y += 17.0
     y += 14.0
-    for mark, words in _rows(content, left, y):
-        shapes += mark
+    for mark, words in _rows(content, left):
+        shapes += mark(y)
         shapes.append(Label(left + _TEXT, y + 4.5, words, 13.0))
         y += ROW
     shapes += _ramp(content, left, y)
@@ -77,80 +82,64 @@ def wrapped(text: str, width: int) -> list[str]:
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
-def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
-    units = content.scene.units
-    y = first_y
-    found = content.found
+def _rows(content: Content, left: float) -> Iterator[tuple[_Mark, str]]:
+    units, found = content.scene.units, content.found
 
-    def bar(row_y: float) -> FloatArray:
-        return np.array([(left + 2.0, row_y), (left + 30.0, row_y)])
+    def bar(colour: Colour, width: float, **further: Any) -> _Mark:
+        ends = ((left + 2.0, 0.0), (left + 30.0, 0.0))
+        return lambda y: [Strokes((np.add(ends, (0.0, y)),), colour, width, **further)]
+
+    def discs(*marks: tuple[float, float, dict[str, Any]]) -> _Mark:
+        return lambda y: [DiscShape(left + x, y, radius, **how) for x, radius, how in marks]
+
+    def both(one: _Mark, other: _Mark) -> _Mark:
+        return lambda y: [*one(y), *other(y)]
 
     count = len(content.scene.objects)
+    numbers = ", numbered from 0" if 1 < count <= MOST_BESIDE else ""
     yield (
-        [Area((_box(left + 2.0, y - 7.0, left + 30.0, y + 7.0),), OBSTACLE)],
-        f"obstacles ({count})" + (", numbered from 0" if 1 < count <= MOST_BESIDE else ""),
+        lambda y: [Area((_box(left + 2.0, y - 7.0, left + 30.0, y + 7.0),), OBSTACLE)],
+        f"obstacles ({count}){numbers}",
     )
-    y += ROW
     for kind, words in zone_kinds(content.zones):
-        yield zone_mark(kind, left, y), words
-        y += ROW
+        yield partial(zone_mark, kind, left), words
     if found:
-        yield (
-            [
-                Strokes((bar(y),), PATH, 13.0, opacity=0.14),
-                Strokes((bar(y),), PATH, 3.5),
-            ],
-            f"path, {sized(found.length, units)}" + _cost(found, units),
-        )
-        y += ROW
+        mark = both(bar(PATH, 13.0, opacity=0.14), bar(PATH, 3.5))
+        yield mark, f"path, {sized(found.length, units)}" + _cost(found, units)
         if found.alternatives:
-            mark: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 2.5, dash=(8.0, 5.0))]
+            mark = bar(OTHER_PATH, 2.5, dash=(8.0, 5.0))
             yield mark, f"alternatives ({len(found.alternatives)})"
-            y += ROW
     before = [line for line in content.earlier if len(line) > 1]
     if before:
         length = sum(arc_lengths(line)[-1] for line in before)
-        older: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 3.5)]
-        yield older, f"replaced plans ({len(before)}), {sized(length, units)}"
-        y += ROW
+        yield bar(OTHER_PATH, 3.5), f"replaced plans ({len(before)}), {sized(length, units)}"
     if content.trajectory:
-        waypoints = content.trajectory.waypoints
-        dots: list[Shape] = [
-            DiscShape(left + x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3) for x in (4, 16, 28)
-        ]
-        yield dots, f"waypoints ({len(waypoints)}), {content.trajectory.duration_s:.3g} s"
-        y += ROW
+        told = f"({len(content.trajectory.waypoints)}), {content.trajectory.duration_s:.3g} s"
+        dot = {"fill": PAGE, "stroke": PATH, "width": 1.3}
+        yield discs(*((x, 2.6, dot) for x in (4, 16, 28))), f"waypoints {told}"
     if driven_lines := lines_of(content.track):
         driven = sum(arc_lengths(line)[-1] for line in driven_lines)
-        yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {sized(driven, units)}"
-        y += ROW
+        yield bar(TRACK, 2.0), f"driven track, {sized(driven, units)}"
     for number, one in enumerate(content.driven):
         length = sum(arc_lengths(line[:, :2])[-1] for line in lines_of(one.track))
-        line: list[Shape] = [Strokes((bar(y),), colour_of(number), 2.5)]
-        yield line, f"{number + 1} {one.name}, {sized(length, units)}"
-        y += ROW
+        yield bar(colour_of(number), 2.5), f"{number + 1} {one.name}, {sized(length, units)}"
     if any(len(one.plan) > 1 for one in content.driven):
-        yield [Strokes((bar(y),), INK, PLAN_WIDTH, dash=PLAN_DASH)], "what was planned last"
-        y += ROW
+        yield bar(INK, PLAN_WIDTH, dash=PLAN_DASH), "what was planned last"
     if any(one.goals for one in content.driven):
-        yield [DiscShape(left + 16.0, y, 7.0, stroke=INK, width=1.5)], "where each was to go"
-        y += ROW
+        yield discs((16.0, 7.0, {"stroke": INK, "width": 1.5})), "where each was to go"
     seen = [other for other in content.others if len(other.track)]
     if seen:
-        robot: list[Shape] = [
-            Strokes((bar(y),), OTHER_ROBOT, 2.0),
-            DiscShape(left + 22.0, y, 8.0, fill=OTHER_ROBOT, opacity=0.22),
-            DiscShape(left + 22.0, y, 8.0, stroke=OTHER_ROBOT, width=2.0),
-        ]
-        yield robot, f"other robots ({len(seen)}), as seen last"
-        y += ROW
+        robot = discs(
+            (22.0, 8.0, {"fill": OTHER_ROBOT, "opacity": 0.22}),
+            (22.0, 8.0, {"stroke": OTHER_ROBOT, "width": 2.0}),
+        )
+        words = f"other robots ({len(seen)}), as seen last"
+        yield both(bar(OTHER_ROBOT, 2.0), robot), words
     gap = content.bottleneck()
     if gap is not None:
-        ring: list[Shape] = [
-            DiscShape(left + 16.0, y, 8.0, stroke=BOTTLENECK, width=2.0),
-            DiscShape(left + 16.0, y, 2.4, fill=BOTTLENECK),
-        ]
-        yield ring, f"bottleneck, {sized(gap[2], units)} wide"
+        ring = (16.0, 8.0, {"stroke": BOTTLENECK, "width": 2.0})
+        mark = discs(ring, (16.0, 2.4, {"fill": BOTTLENECK}))
+        yield mark, f"bottleneck, {sized(gap[2], units)} wide"
 
 
 def _cost(path: Path, units: str) -> str:
@@ -168,11 +157,8 @@ def _ramp(content: Content, left: float, top: float) -> Iterator[Shape]:
         box = _box(x0, top + 24.0, x0 + width + 0.5, top + 34.0)
         yield Area((box,), ramp_colour(step))
     middle = 0.5 * (span[0] + span[1])
-    for part, value, anchor in (
-        (0.0, span[0], "start"),
-        (0.5, middle, "middle"),
-        (1, span[1], "end"),
-    ):
+    ends = ((0.0, span[0], "start"), (0.5, middle, "middle"), (1, span[1], "end"))
+    for part, value, anchor in ends:
         x = left + 2.0 + 200.0 * part
         yield Label(x, top + 49.0, f"{value:.3g}", 12.0, FAINT_INK, anchor)
 
@@ -187,14 +173,7 @@ def scale_bar(screen: Screen, units: str, left: float, bottom: float) -> Iterato
     power = 10.0 ** math.floor(math.log10(wanted))
     length = power * max(m for m in (1.0, 2.0, 5.0) if m * power <= wanted)
     pixels = length * screen.scale
-    y = bottom - 4.0
-    bar = np.array(
-        [
-            (left + 2.0, y - 5.0),
-            (left + 2.0, y),
-            (left + 2.0 + pixels, y),
-            (left + 2.0 + pixels, y - 5.0),
-        ]
-    )
+    x, y = left + 2.0, bottom - 4.0
+    bar = np.array([(x, y - 5.0), (x, y), (x + pixels, y), (x + pixels, y - 5.0)])
     yield Strokes((bar,), INK, 1.5)
-    yield Label(left + 2.0 + 0.5 * pixels, y - 8.0, f"{length:g} {units}", 12.0, INK, "middle")
+    yield Label(x + 0.5 * pixels, y - 8.0, f"{length:g} {units}", 12.0, INK, "middle")

@@ -3,7 +3,6 @@
 - `serial_port` opens the port, or says in one sentence why it cannot; `port_faults` are the errors
   of one that breaks while it is open.
 - `serial_link` owns it in a thread of its own, around the sans-IO `HostConnection`.
-- `parts_of_missions` sends a long mission in parts.
 - `link_snapshot` is the state of line and robot at one moment.
 - `drivers/` serves robots that speak another maker's protocol.
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Final, TypedDict
+from typing import Final
 
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.counters import HostCounters
@@ -91,20 +91,6 @@ def doubt_of_stop(snapshot: LinkSnapshot) -> str | None:
     return f"the emergency stop was sent, and it is not known yet that the robot is at rest: {why}"
 
 
-class _OfLink(TypedDict):
-    state: LinkState
-    down_reason: str | None
-    heard_age_s: float
-    boot_id: int | None
-    rtt_s: float | None
-    clock_offset_s: float | None
-    clock_error_s: float | None
-    sent: HostCounters
-    received: ParserCounters
-    estop_pending: bool
-    leaving_estop: bool
-
-
 def snapshot_of(
     host: HostConnection, now_s: float, *, port_fault: str, estop_waits: bool
 ) -> LinkSnapshot:
@@ -117,7 +103,7 @@ def snapshot_of(
     if host.state is LinkState.CLOSED:
         reason = port_fault
     known = host.clock.ready
-    of_link = _OfLink(
+    of_link = LinkSnapshot(
         state=host.state,
         down_reason=reason,
         heard_age_s=now_s - host.heard_s,
@@ -132,11 +118,11 @@ def snapshot_of(
     )
     status = host.status
     if status is None:
-        return LinkSnapshot(**of_link)
+        return of_link
     no_permit = host.why_no_permit(now_s) if host.state.is_up else None
     running = status.state is RobotState.RUN
-    return LinkSnapshot(
-        **of_link,
+    return replace(
+        of_link,
         status=status,
         status_age_s=now_s - host.status_s,
         status_taken_s=host.clock.host_s(status.time_us, host.status_s) if known else None,

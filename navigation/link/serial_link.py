@@ -31,7 +31,6 @@ from firmware_protocol.wire.framing import MAX_WIRE
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
-from navigation.link.parts_of_missions import give_mission, release_mission
 from navigation.link.port_faults import PORT_FAULTS
 from navigation.link.serial_port import PortError, PortNotReadyError, open_port
 from navigation.shared.supervisor import in_words
@@ -162,12 +161,12 @@ class SerialLink:
         before :meth:`release`; None: all.
         """
         whole = Mission(mission, waypoints)
-        self._order(lambda now_s: give_mission(self._host, whole, now_s, start, released))
+        self._order(lambda now_s: self._host.upload(whole, now_s, start, released))
         return whole
 
     def release(self, mission: int, count: int) -> None:
         """Let the first ``count`` waypoints of this mission be sent; never fewer than before."""
-        self._order(lambda _now_s: release_mission(self._host, mission, count))
+        self._order(lambda _now_s: self._host.release(mission, count))
 
     def start(self) -> None:
         """Drive the mission (again, after a pause or a lapsed lease)."""

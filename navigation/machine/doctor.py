@@ -105,9 +105,7 @@ def check_opencv_twice(names: Iterable[str]) -> Finding | None:
 
 def check_writable(name: str, folder: Path) -> Finding:
     """Check a folder that the program makes or writes to."""
-    at = folder
-    while not at.exists() and at != at.parent:
-        at = at.parent
+    at = _nearest_there(folder)
     if not at.is_dir():
         return Finding("fail", name, f"{at}: is no folder", f"remove {at} or choose another")
     if not os.access(at, os.W_OK | os.X_OK):
@@ -115,11 +113,13 @@ def check_writable(name: str, folder: Path) -> Finding:
     return Finding("ok", name, f"{folder}")
 
 
+def _nearest_there(folder: Path) -> Path:
+    return next((one for one in (folder, *folder.parents) if one.exists()), folder)
+
+
 def check_disk(folder: Path, free_bytes: Callable[[Path], int]) -> Finding:
     """Check the free space for reports and recordings."""
-    at = folder.absolute()
-    while not at.exists() and at != at.parent:
-        at = at.parent
+    at = _nearest_there(folder.absolute())
     free_mb = free_bytes(at) / 1e6
     told = f"{free_mb:.0f} MB are free at {at}"
     if free_mb < DISK_FAIL_MB:

@@ -1,7 +1,7 @@
 """Log of a run: one line an event on stderr, for a journal, a log collector or a person.
 
 Rules
-- An event is a name from `EVENTS` and fields; its line is JSON or ``time level event words``.
+- A line is one event, a name (docs/operations.md) and fields: JSON, or ``time level event words``.
 - Only news is logged: a change of state, of the reason, of the camera, of the link, a new plan.
 - A non-character, such as half of a surrogate pair, is written as its number.
 - Under systemd a text line begins with its priority, ``<4>``, which the journal removes.
@@ -30,23 +30,6 @@ PRIORITY: Final[dict[Level, int]] = {"debug": 7, "info": 6, "warning": 4, "error
 """Priorities of syslog, which the journal uses too."""
 
 MOST_FILE_BYTES: Final = 10_000_000
-EVENTS: Final = {
-    "started": "the program begins: version, configuration",
-    "said": "a line for people",
-    "ready": "camera, planner and link run",
-    "state": "the mission's state or its reason is another: state, reason, pose",
-    "station": "one more station was visited",
-    "plan": "another plan is driven: length_m, min_clearance_m",
-    "link": "the link's state is another",
-    "camera": "the camera's state is another",
-    "recording": "pictures are dropped, or the recording has ended early",
-    "trouble": "something cannot be written, and the run continues; or it can be written again",
-    "notify": "a call of `notify` has failed: reason",
-    "watchdog": "a stage does not get on",
-    "configuration": "the file was read again",
-    "finished": "the run is over: state, reason, duration_s",
-}
-
 _TIME: Final = re.compile(r"\b\d+(\.\d+)? m?s\b")
 STATE_LEVELS: Final[Mapping[State, Level]] = {
     State.HOLDING: "warning",

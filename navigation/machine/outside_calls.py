@@ -24,10 +24,8 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -90,12 +88,7 @@ class OutsideCalls:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_exc: object) -> None:
         self._ends_s = time.monotonic() + self._within_s
         with contextlib.suppress(queue.Full):  # then it wakes without being asked to
             self._waiting.put_nowait(None)
@@ -138,7 +131,10 @@ class OutsideCalls:
         else:
             arguments = (*_PYTHON, str(Path(post.__file__)))
             asked = json.dumps({"url": call.url, "body": call.body}).encode()
-        process = _begin(arguments, asked is not None)
+        ours = subprocess.DEVNULL if asked is None else subprocess.PIPE  # ours says little
+        process = subprocess.Popen(
+            arguments, stdin=ours, stdout=subprocess.DEVNULL, stderr=ours, start_new_session=True
+        )
         try:
             _, said = process.communicate(asked, within_s)
         except subprocess.TimeoutExpired:
@@ -147,14 +143,6 @@ class OutsideCalls:
         if process.returncode == 0:
             return ""
         return (said or b"").decode("utf-8", "replace").strip() or _ending(process.returncode)
-
-
-def _begin(arguments: Sequence[str], is_asked: bool) -> subprocess.Popen[bytes]:
-    """Start a process in a group of its own; only one of ours is read, as its output is short."""
-    ours = subprocess.PIPE if is_asked else subprocess.DEVNULL
-    return subprocess.Popen(
-        arguments, stdin=ours, stdout=subprocess.DEVNULL, stderr=ours, start_new_session=True
-    )
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from navigation.recording.border_points import border_polylines
+from navigation.draw.outlines import object_lines
 from planner.path import NoPath, Path
 from planner.scene import FloatArray, Scene
 
@@ -45,10 +45,11 @@ class Difference:
 
 def scene_distance_m(one: Scene, other: Scene) -> float:
     """Distance of two scenes' borders; inf if only one has any."""
-    return _curve_distance_m(
-        [line for _, line in border_polylines(one)],
-        [line for _, line in border_polylines(other)],
-    )
+    return _curve_distance_m(_borders(one), _borders(other))
+
+
+def _borders(scene: Scene) -> list[FloatArray]:
+    return [line for thing in scene.objects for line in object_lines(thing, scene.y_down)]
 
 
 def path_distance_m(one: FloatArray, other: FloatArray) -> float:

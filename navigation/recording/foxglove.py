@@ -28,10 +28,9 @@ from foxglove.messages import (
     Vector3,
 )
 
-from navigation.draw.outlines import ring_points
+from navigation.draw.outlines import object_lines, ring_points
 from navigation.draw.shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
 from navigation.draw.zones import COLOURS as ZONE_COLOURS
-from navigation.recording.border_points import border_polylines
 from navigation.recording.events import Level
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
@@ -89,7 +88,7 @@ def log_message(level: Level, sentence: str, source: str, time_ns: int) -> Log:
 
 def scene_message(scene: Scene, time_ns: int) -> SceneUpdate:
     """Borders of all obstacles."""
-    lines = [line for _, line in border_polylines(scene)]
+    lines = [line for one in scene.objects for line in object_lines(one, scene.y_down)]
     corners = scene.bounds.corners()
     return _lines_message("scene", [*lines, (*corners, corners[0])], OBSTACLE_EDGE, time_ns)
 

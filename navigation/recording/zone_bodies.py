@@ -33,13 +33,14 @@ def zones_of(body: dict[str, Any]) -> ZonesChanged:
 
 
 def _plain(zone: Zone) -> dict[str, Any]:
-    plain: dict[str, Any] = {"name": zone.name, "kind": zone.kind, "area": _area(zone.area)}
+    plain: dict[str, Any] = {"name": zone.name, "kind": zone.kind, "area": area_body(zone.area)}
     plain["robots"] = list(zone.robots)
     plain["speed_m_s"], plain["cost"] = zone.speed, zone.cost
     return plain
 
 
-def _area(area: Area) -> dict[str, Any]:
+def area_body(area: Area) -> dict[str, Any]:
+    """Keys of an area as in a configuration; a mask's cells are a scene text."""
     match area:
         case PolygonArea(corners):
             return {"polygon": [list(corner) for corner in corners]}

@@ -11,7 +11,6 @@ from firmware_protocol.host.events import Event
 from firmware_protocol.wire.messages import Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
-from navigation.link.parts_of_missions import give_mission, release_mission
 from navigation.run.troubled_robot import RobotTroubles
 from navigation.simulator.virtual_loop import VirtualLoop
 
@@ -58,12 +57,12 @@ class VirtualLink:
     ) -> Mission:
         """Replace the robot's mission and drive its released part."""
         whole = Mission(mission, waypoints)
-        give_mission(self.loop.host, whole, self.loop.now_s, start, released)
+        self.loop.host.upload(whole, self.loop.now_s, start, released)
         return whole
 
     def release(self, mission: int, count: int) -> None:
         """Allow the mission's first ``count`` waypoints to be sent."""
-        release_mission(self.loop.host, mission, count)
+        self.loop.host.release(mission, count)
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""

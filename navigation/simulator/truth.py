@@ -22,11 +22,9 @@ class TrueRobot(Protocol):
 
     def pose(self) -> TruePose:
         """Present pose."""
-        ...
 
     def track(self) -> FloatArray:
         """Track so far: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
-        ...
 
 
 @dataclass(slots=True)

@@ -281,16 +281,16 @@ def test_old_and_new_emergency_stops_are_told_apart() -> None:
     table.run(0.2)
     table.host.estop()
     table.run(0.2)
-    assert table.host.estopped
+    assert table.host.status.state is RobotState.ESTOP
     assert not table.host.leaving_estop
     table.host.reset_estop(table.now_s)
     assert table.host.leaving_estop
     while table.host.leaving_estop:
         table.tick()
-    assert not table.host.estopped
+    assert table.host.status.state is not RobotState.ESTOP
     table.control.emergency_stop(StopReason.ESTOP_LOCAL)
     table.run(0.03)
-    assert table.host.estopped
+    assert table.host.status.state is RobotState.ESTOP
     assert not table.host.leaving_estop
 
 

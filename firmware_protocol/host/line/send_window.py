@@ -73,7 +73,8 @@ class SendWindow:
         self.window_bytes = window_bytes
         self.rtt = RttEstimate()
         self.timeouts = 0
-        self._next_sequence = 0
+        self.next_sequence = 0
+        """Number that the receiver expects once it has everything."""
         self._pending: deque[PendingFrame] = deque()
         self._sent = 0
         """Number of ``_pending``, from the left, in flight."""
@@ -84,11 +85,6 @@ class SendWindow:
     def bytes_pending(self) -> int:
         """Bytes of all unacknowledged frames, sent or not."""
         return sum(frame.wire_bytes for frame in self._pending)
-
-    @property
-    def next_sequence(self) -> int:
-        """Number that the receiver expects once it has everything."""
-        return self._next_sequence
 
     @property
     def idle(self) -> bool:
@@ -103,8 +99,8 @@ class SendWindow:
 
     def add(self, kind: int, payload: bytes) -> None:
         """Number a frame and queue it last."""
-        self._pending.append(PendingFrame(self._next_sequence, kind, payload))
-        self._next_sequence = (self._next_sequence + 1) % SEQUENCE_MODULUS
+        self._pending.append(PendingFrame(self.next_sequence, kind, payload))
+        self.next_sequence = (self.next_sequence + 1) % SEQUENCE_MODULUS
 
     def next_frame(self, now_s: float) -> PendingFrame | None:
         """The next frame to put on the wire; it counts as sent."""

@@ -18,20 +18,21 @@ from navigation.cli.options import (
     OutputType,
     StationArgument,
 )
-from navigation.cli.outputs import Stopwatch, keep_apart, named, tell_times, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    Stopwatch,
+    keep_apart,
+    named,
+    tell_times,
+    write_text,
+)
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from planner.formats.mask_files import SpeedLevel
-    from planner.graph_audit.audit import GraphAudit
-    from planner.scene import Scene
 
 UNSAFE = 3
 """Exit code, the same as for no path."""
-
-
-class AuditError(ValueError):
-    """Error: the request makes no sense."""
 
 
 @click.command(short_help="What is wrong with a route graph.")
@@ -155,7 +156,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
                 frame=frame,
             )
         except ValueError as error:
-            raise AuditError(f"{name}: {error}") from error
+            raise CommandError(f"{name}: {error}") from error
         coverage = measure_coverage(found, scene, reach)
         times_ms.end("audit")
         repaired = None
@@ -165,26 +166,16 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             times_ms.end("repair")
             write_text(repair_file, graph_text(repaired.graph, repaired.graph.format))
     if render is not None:
-        _draw(render, found, scene, zones, levels)
+        from navigation.cli.pictures.audit_picture import audit_drawing
+        from navigation.draw.picture import save_drawing
+
+        save_drawing(render, audit_drawing(found, scene, zones, levels))
     times_ms.end_all()
     answer = AuditOutput(name, found, coverage, times_ms, scene.remarks, repaired)
     write_text(output, answer.as_form(form))
     if form == "text":
         tell_times(times_ms)
     return 0 if answer.is_safe else UNSAFE
-
-
-def _draw(
-    file: Path,
-    found: GraphAudit,
-    scene: Scene,
-    zones: Scene | None,
-    levels: tuple[SpeedLevel, ...],
-) -> None:
-    from navigation.cli.pictures.audit_picture import audit_drawing
-    from navigation.draw.picture import save_drawing
-
-    save_drawing(file, audit_drawing(found, scene, zones, levels))
 
 
 def _levels(mask: Path, speed_filter: tuple[str, float, float]) -> tuple[SpeedLevel, ...]:

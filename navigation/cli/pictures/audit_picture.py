@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from navigation.cli.pictures.audit_answer import PLURALS
 from navigation.draw.layers import Content, layers
 from navigation.draw.legend import scale_bar, wrapped
 from navigation.draw.outlines import ring_points
@@ -35,7 +36,7 @@ from navigation.draw.shapes import (
 )
 from planner.formats.mask_files import SpeedLevel
 from planner.graph_audit.audit import GraphAudit
-from planner.graph_audit.findings import GraphFinding
+from planner.graph_audit.findings import SEVERITIES, GraphFinding
 from planner.scene import Bounds, FloatArray, Scene
 from planner.shared.figures import sized
 
@@ -115,11 +116,13 @@ def _areas(areas: Scene, colour: Colour, screen: Screen) -> Iterator[Shape]:
         yield Area(rings, colour, opacity=0.16)
 
 
+def _worst(audit: GraphAudit, subject: str) -> dict[str, str]:
+    """Worst severity by name; the findings are sorted by it."""
+    return {one.name: one.severity for one in reversed(audit.findings) if one.subject == subject}
+
+
 def _edges(audit: GraphAudit, screen: Screen) -> Iterator[Shape]:
-    worst: dict[str, str] = {}
-    for one in audit.findings:
-        if one.subject == "edge":
-            worst.setdefault(one.name, one.severity)
+    worst = _worst(audit, "edge")
     lines = [screen.points(line) for line in audit.lines]
     wide = 2.0 * audit.radius * screen.scale
     yield Strokes(tuple(lines), SOUND, wide, opacity=0.10)
@@ -151,10 +154,7 @@ def _arrow(line: FloatArray) -> FloatArray:
 
 
 def _nodes(audit: GraphAudit, screen: Screen) -> Iterator[Shape]:
-    worst: dict[str, str] = {}
-    for one in audit.findings:
-        if one.subject == "node":
-            worst.setdefault(one.name, one.severity)
+    worst = _worst(audit, "node")
     for node in audit.graph.nodes:
         ((x, y),) = screen.points([(node.x, node.y)]).tolist()
         colour = COLOURS.get(worst.get(str(node.id), ""), SOUND)
@@ -184,16 +184,12 @@ def _words(
     words = f"{size}, robot radius {sized(audit.radius, audit.units)}"
     yield Label(left, y, words, 12.0, FAINT_INK)
     y += 26.0
-    for severity, words in (("unsafe", "unsafe"), ("error", "errors"), ("warning", "warnings")):
-        count = sum(one.severity == severity for one in audit.findings)
+    rows = [(COLOURS[one], 3.0, f"{PLURALS[one]} ({len(audit.of(one))})") for one in SEVERITIES]
+    for colour, width, words in (*rows, (SOUND, 1.6, "without a finding")):
         bar = np.array([(left + 2.0, y - 4.0), (left + 30.0, y - 4.0)])
-        yield Strokes((bar,), COLOURS[severity], 3.0)
-        yield Label(left + 40.0, y, f"{words} ({count})", 13.0)
+        yield Strokes((bar,), colour, width)
+        yield Label(left + 40.0, y, words, 13.0)
         y += ROW
-    bar = np.array([(left + 2.0, y - 4.0), (left + 30.0, y - 4.0)])
-    yield Strokes((bar,), SOUND, 1.6)
-    yield Label(left + 40.0, y, "without a finding", 13.0)
-    y += ROW
     for words, colour in areas:
         low, high = (left + 2.0, y - 10.0), (left + 30.0, y + 2.0)
         swatch = np.array([low, (high[0], low[1]), high, (low[0], high[1])])

@@ -6,7 +6,7 @@ import json
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import click
 
@@ -20,17 +20,15 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import keep_apart, named, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    keep_apart,
+    named,
+    tell_times,
+    warn_of_doubts,
+    write_text,
+)
 from navigation.cli.progress import long_work
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from planner.scene import Scene
-
-
-class ExtractError(ValueError):
-    """Error: the picture or an option cannot be used."""
 
 
 @click.command(short_help="The geometric structure of a picture.")
@@ -65,6 +63,8 @@ def command(
 
     import vision
     from navigation.cli.pictures.sources import decode_picture, read_source
+    from planner.formats.scene_io import write_scene_text
+    from planner.formats.scene_json import scene_to_json
 
     begin_s = time.perf_counter()
     picture, remarks = decode_picture(read_source(image), named(image))
@@ -78,7 +78,7 @@ def command(
                 **binarising._asdict(),
             )
     except ValueError as error:
-        raise ExtractError(f"{named(image)}: {error}") from error
+        raise CommandError(f"{named(image)}: {error}") from error
     if least_area is not None:
         scene = scene.without_specks(least_area)
         click.echo(f"clearway: {named(image)}: {scene.remarks[-1]}", err=True)
@@ -89,28 +89,15 @@ def command(
     # the same answer each time, unless times are asked for
     timed = timings or (form == "json" and output is None)
     told = scene if timed else replace(scene, timings_ms={})
-    write_text(output, _as_json(told) if form == "json" else _as_text(told))
+    if form == "json":
+        write_text(output, json.dumps(scene_to_json(told), indent=1) + "\n")
+    else:
+        write_text(output, write_scene_text(told))
     if form == "text":
         tell_times(timings_ms)
     if render is not None:
+        from navigation.draw.overlay import overlay_drawing
+        from navigation.draw.picture import save_drawing
+
         with long_work("drawing"):
-            _render(render, picture, scene, named(image).name)
-
-
-def _as_json(scene: Scene) -> str:
-    from planner.formats.scene_json import scene_to_json
-
-    return json.dumps(scene_to_json(scene), indent=1) + "\n"
-
-
-def _as_text(scene: Scene) -> str:
-    from planner.formats.scene_io import write_scene_text
-
-    return write_scene_text(scene)
-
-
-def _render(file: Path, picture: NDArray[Any], scene: Scene, name: str) -> None:
-    from navigation.draw.overlay import overlay_drawing
-    from navigation.draw.picture import save_drawing
-
-    save_drawing(file, overlay_drawing(picture, scene, name))
+            save_drawing(render, overlay_drawing(picture, scene, named(image).name))

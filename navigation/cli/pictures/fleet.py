@@ -17,7 +17,14 @@ from navigation.cli.options import (
     binarise_options,
     format_option,
 )
-from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    Stopwatch,
+    keep_apart,
+    tell_times,
+    warn_of_doubts,
+    write_text,
+)
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -27,10 +34,6 @@ if TYPE_CHECKING:
 
 NO_PLAN = 3
 """Exit code, the same as for no path."""
-
-
-class FleetError(ValueError):
-    """Error: no fleet can be planned with these values."""
 
 
 @click.command(short_help="Ways for several robots at once, no two of which ever touch.")
@@ -108,7 +111,7 @@ def command(
             own = [zones_for(zones, robot.name) for robot in robots]
             plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s, zones=own)
         except ValueError as error:
-            raise FleetError(f"{robots_file}: {error}") from error
+            raise CommandError(f"{robots_file}: {error}") from error
         times_ms.end("fleet")
     times_ms.end_all()
     remarks = (*scene.remarks, *roadmap.remarks)

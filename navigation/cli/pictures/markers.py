@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option
-from navigation.cli.outputs import keep_apart, named, write_text
+from navigation.cli.outputs import CommandError, keep_apart, named, write_text
 
 if TYPE_CHECKING:
     from vision.camera.camera import Image
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
 NONE_FOUND = 3
 """Exit code, the same as for no path: the picture is fine, and no marker is in it."""
 GREEN, BLUE, RED = (60, 160, 30), (200, 90, 20), (40, 40, 220)
-
-
-class MarkersError(ValueError):
-    """Error: the picture, the dictionary or the calibration cannot be used."""
 
 
 @click.command("markers")
@@ -73,13 +69,10 @@ def command(
     try:
         found = vision.find_markers(picture, dictionary, calibration=model, height_m=height_m)
     except MarkerError as error:
-        raise MarkersError(f"{named(image)}: {error}") from error
+        raise CommandError(f"{named(image)}: {error}") from error
     size = (picture.shape[1], picture.shape[0])
     answer = _as_json(found, size) if form == "json" else _as_text(found)
-    if output is None:
-        click.echo(answer, nl=False)
-    else:
-        write_text(output, answer)
+    write_text(output, answer)
     for remark in remarks:
         click.echo(f"note: {image}: {remark}", err=True)
     if render is not None:
@@ -149,4 +142,4 @@ def _render(file: Path, picture: Image, found: Sequence[Marker]) -> None:
         for thick, shade in ((4, (255, 255, 255)), (2, RED)):
             cv2.putText(drawn, text, at, cv2.FONT_HERSHEY_SIMPLEX, scale, shade, thick, cv2.LINE_AA)
     if not cv2.imwrite(str(file), drawn):
-        raise MarkersError(f"{file}: the picture cannot be written there")
+        raise CommandError(f"{file}: the picture cannot be written there")

@@ -22,9 +22,17 @@ from navigation.cli.options import (
     Binarising,
     StationArgument,
     binarise_options,
+    check_spacing,
     format_option,
 )
-from navigation.cli.outputs import Stopwatch, keep_apart, tell_times, warn_of_doubts, write_text
+from navigation.cli.outputs import (
+    CommandError,
+    Stopwatch,
+    keep_apart,
+    tell_times,
+    warn_of_doubts,
+    write_text,
+)
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
@@ -37,10 +45,6 @@ if TYPE_CHECKING:
     from planner.zones.zoned_roadmap import ZonedRoadmap
 
 NO_PATH = 3
-
-
-class PlanError(ValueError):
-    """Error: the request makes no sense."""
 
 
 @click.command(short_help="One plan through a picture, scene or map.")
@@ -112,10 +116,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     from planner.path import Path as PlannedPath
     from planner.zones.zoned_roadmap import with_zones
 
-    if spacing is not None and spacing >= 2.0 * radius:
-        raise click.BadParameter(
-            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
-        )
+    check_spacing(spacing, radius)
     keep_apart((("--output", output), ("--render", render)), (source, zones_file))
     zones = zones_in(zones_file)
     compile_for(source)
@@ -141,7 +142,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
                 margin=margin,
             )
         except ValueError as error:
-            raise PlanError(str(error)) from error
+            raise CommandError(str(error)) from error
         begin("smoothing")
         path = planned
         if isinstance(planned, PlannedPath):
@@ -180,7 +181,7 @@ def timed_roadmap(
             scene, radius, spacing=spacing, least_branch=least_branch, lap=times_ms.end
         )
     except ValueError as error:
-        raise PlanError(str(error)) from error
+        raise CommandError(str(error)) from error
 
 
 def _answer(

@@ -22,6 +22,7 @@ from navigation.cli.options import (
     Binarising,
     OutputType,
     binarise_options,
+    check_spacing,
 )
 from navigation.cli.outputs import Stopwatch, keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
@@ -76,10 +77,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     render: Path | None,
 ) -> None:
     """Build the roadmap of SOURCE and write it; the output's suffix gives the format."""
-    if spacing is not None and spacing >= 2.0 * radius:
-        raise click.BadParameter(
-            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
-        )
+    check_spacing(spacing, radius)
     inputs = (source, zones_file)
     keep_apart((("--output", output), ("--map", map_file), ("--render", render)), inputs)
 

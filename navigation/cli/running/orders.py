@@ -6,12 +6,13 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 import click
 
-from navigation.cli.options import STATION, StationArgument, format_option
+from navigation.cli.options import SOCKET_OPTION, STATION, StationArgument, format_option
 from navigation.orders.table import ORDERS, Order
 
 KNOWN_WITHIN_S = 2.0
@@ -70,21 +71,16 @@ def _command(
         if order.for_one
         else "Of several robots this one; default: all."
     )
-    of_all = (
-        click.Option(["--robot"], metavar="NAME", help=which),
-        click.Option(
-            ["--socket", "path"], type=click.Path(path_type=Path), help="The daemon's socket."
-        ),
-    )
     command = click.Command(
         order.name,
         callback=callback,
-        params=[*own, *of_all],
+        params=[*own, click.Option(["--robot"], metavar="NAME", help=which)],
         help=order.help,
         short_help=order.summary,
         # so that -1.5,2 is a place
         context_settings={"ignore_unknown_options": "stations" in order.arguments},
     )
+    SOCKET_OPTION(command)
     format_option()(command)
     return command
 
@@ -125,8 +121,6 @@ def _stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
 
 
 def _latch(path: Path | None, reason: str, robot: str | None) -> Path:
-    from datetime import datetime
-
     from navigation.config.last_good import state_folder
     from navigation.control import ControlError, default_socket
     from navigation.journal.stop_latch import FOLDER, Latch, write_latch

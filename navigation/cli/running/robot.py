@@ -16,6 +16,7 @@ import click
 import numpy as np
 
 from firmware_protocol.wire.messages import STOP_SENTENCES, RobotState
+from navigation.cli.options import STATION, StationArgument
 from navigation.config.known_robots import CLEARWAY
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
@@ -69,25 +70,6 @@ def _signals() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def _read_pose(
-    _ctx: click.Context, _param: click.Parameter, text: str
-) -> tuple[float, float, float]:
-    parts = text.split(",")
-    try:
-        numbers = [float(part) for part in parts]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (2, 3) or not all(map(math.isfinite, numbers)):
-        raise click.BadParameter(f"'{text}': must be X,Y or X,Y,DEG in metres and degrees")
-    heading_deg = numbers[2] if len(numbers) == 3 else 0.0
-    heading_rad = math.remainder(math.radians(heading_deg), math.tau)
-    return numbers[0], numbers[1], heading_rad
-
-
-def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> FaultSpec:
-    return FaultSpec.parse(text)
-
-
 @click.command(help="A simulated robot on a serial port, or on a new pseudo-terminal.")
 @click.option(
     "--kind",
@@ -103,7 +85,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     "--faults",
     metavar="SPEC",
     default="",
-    callback=_read_faults,
+    callback=lambda _ctx, _param, text: FaultSpec.parse(text),
     help="Bad line: drop=0.001,flip=0.0005,noise=P,dup=P,swap=P,span=P,stall=0.1@5,"
     "reset=SECONDS,freeze=0.2@10.",
 )
@@ -116,10 +98,9 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
 )
 @click.option(
     "--start",
-    metavar="X,Y[,DEG]",
+    type=STATION,
     default="0,0,0",
     show_default=True,
-    callback=_read_pose,
     help="Where the robot is, in metres and degrees.",
 )
 @click.option(
@@ -142,7 +123,7 @@ def command(
     port: str | None,
     faults: FaultSpec,
     seed: int,
-    start: tuple[float, float, float],
+    start: StationArgument,
     baud: int | None,
     link: Path | None,
     poses: Path | None,
@@ -153,7 +134,8 @@ def command(
         ended = until.enter_context(_signals())
         told_in = None if poses is None else until.enter_context(closing(PoseWriter(poses)))
         twin: Twin = ClearwayTwin() if kind == CLEARWAY else TWINS[kind]()
-        robot = SimulatedRobot(start, twin=twin, rng=rng, faults=faults, port=port, baud=baud)
+        pose = (start.x, start.y, start.heading_rad or 0.0)
+        robot = SimulatedRobot(pose, twin=twin, rng=rng, faults=faults, port=port, baud=baud)
         until.enter_context(robot)
         click.echo(robot.port)
         if link is not None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import click
 
 from navigation.cli.examples import Example, epilog_of
-from navigation.cli.options import POSITIVE, Decorator, format_option
+from navigation.cli.options import POSITIVE, SOCKET_OPTION, format_option
 from navigation.orders.table import ORDERS
 
 if TYPE_CHECKING:
@@ -53,12 +53,6 @@ class PlacesType(NumbersBase):
         return places
 
 
-def _socket_option() -> Decorator:
-    return click.option(
-        "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket."
-    )
-
-
 def _texts(order: str) -> dict[str, Any]:
     one = ORDERS[order]
     return {"short_help": one.summary, "epilog": epilog_of(Example(*one.example))}
@@ -90,7 +84,7 @@ def command() -> None:
     type=click.Path(path_type=Path),
     help="Instead: a YAML file with a list of zones, as in a configuration.",
 )
-@_socket_option()
+@SOCKET_OPTION
 @format_option()
 def add(  # noqa: PLR0913 (an argument for each option of the command line)
     name: str | None,
@@ -145,7 +139,7 @@ def add(  # noqa: PLR0913 (an argument for each option of the command line)
 
 @command.command(**_texts("zone_remove"))
 @click.argument("name")
-@_socket_option()
+@SOCKET_OPTION
 @format_option()
 def remove(name: str, path: Path | None, form: str) -> None:
     """Remove the zone NAME; it stays in the configuration, if it is there."""
@@ -154,7 +148,7 @@ def remove(name: str, path: Path | None, form: str) -> None:
 
 
 @command.command(**_texts("zone_undo"))
-@_socket_option()
+@SOCKET_OPTION
 @format_option()
 def undo(path: Path | None, form: str) -> None:
     """Take back the last addition or removal, by this command or on the page."""
@@ -163,7 +157,7 @@ def undo(path: Path | None, form: str) -> None:
 
 
 @command.command(name="list", **_texts("zone_list"))
-@_socket_option()
+@SOCKET_OPTION
 @click.option(
     "--format",
     "form",

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from navigation.cli.options import POSITIVE
+from navigation.cli.options import POSITIVE, STATION, StationArgument
 from navigation.cli.outputs import keep_apart
 
 if TYPE_CHECKING:
@@ -64,7 +63,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 @click.option("--lens", "lens_file", type=_FILE, help="Take the lens from this calibration.")
 @click.option("--points", type=_FILE, help="Surveyed points of the arena: px,py,x_m,y_m lines.")
 @click.option("--floor-picture", type=_FILE, help="A picture of the arena with the board on it.")
-@click.option("--floor-at", help="X,Y[,DEG] of that board's first corner; default 0,0,0.")
+@click.option("--floor-at", type=STATION, help="Place of that board's first corner; default 0,0,0.")
 @click.option("--camera-height-m", type=float, help="The camera's height above the floor.")
 @click.option("--size", help="WIDTHxHEIGHT, for --points without any picture.")
 @click.option(
@@ -90,7 +89,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     lens_file: Path | None,
     points: Path | None,
     floor_picture: Path | None,
-    floor_at: str | None,
+    floor_at: StationArgument | None,
     camera_height_m: float | None,
     size: str | None,
     output: Path,
@@ -263,7 +262,7 @@ def _survey(
     floor: Image | None,
     floor_picture: Path | None,
     spec: BoardSpec | None,
-    floor_at: str | None,
+    floor_at: StationArgument | None,
 ) -> Survey:
     from vision.calibrate.board import NoBoard, find_board
     from vision.calibrate.survey import board_survey, read_survey
@@ -283,19 +282,8 @@ def _survey(
             f"is taken to be the one at ({px:.0f}, {py:.0f}) px",
             err=True,
         )
-    x, y, heading_deg = _floor_at(floor_at)
-    return board_survey(view, (x, y), math.radians(heading_deg))
-
-
-def _floor_at(text: str | None) -> tuple[float, float, float]:
-    words = (text or "0,0,0").split(",")
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) not in (2, 3) or not all(math.isfinite(v) for v in values):
-        raise click.UsageError(f"--floor-at {text}: must be X,Y or X,Y,DEG")
-    return values[0], values[1], values[2] if len(values) == 3 else 0.0
+    at = floor_at or StationArgument(0.0, 0.0)
+    return board_survey(view, (at.x, at.y), at.heading_rad or 0.0)
 
 
 def _size(floor: Image | None, lens: Lens | None, size: tuple[int, int] | None) -> tuple[int, int]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from navigation.cli.options import POSITIVE, OutputType, format_option
-from navigation.cli.outputs import keep_apart
+from navigation.cli.outputs import CommandError, keep_apart
 
 if TYPE_CHECKING:
     from navigation.config import Config
@@ -22,10 +22,6 @@ if TYPE_CHECKING:
 
 WELL, ILL = 0, 1
 MOST_SECONDS: Final = 3600.0
-
-
-class CameraCommandError(ValueError):
-    """Error: the camera is unclear, or the output cannot be written."""
 
 
 @click.command("camera")
@@ -139,8 +135,8 @@ def _only_camera() -> str:
     if len(paths) == 1:
         return paths[0]
     if paths:
-        raise CameraCommandError(f"several cameras are plugged in: name one of {', '.join(paths)}")
-    raise CameraCommandError(
+        raise CommandError(f"several cameras are plugged in: name one of {', '.join(paths)}")
+    raise CommandError(
         "no camera is plugged in: name a source (an address, a file, a folder) or a configuration"
     )
 
@@ -240,4 +236,4 @@ def _render(file: Path, judged: CameraMeasurements, config: Config | None) -> No
 
     border = None if config is None else arena_px(config)
     if not cv2.imwrite(str(file), draw_judged(judged.quality, border)):
-        raise CameraCommandError(f"{file}: the picture cannot be written there")
+        raise CommandError(f"{file}: the picture cannot be written there")

@@ -18,7 +18,7 @@ from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrecy.secrets import hide
 from navigation.config.several.each_camera import each_camera
-from navigation.config.several.each_robot import each_robot
+from navigation.config.several.each_robot import each_robot, named_places
 
 if TYPE_CHECKING:
     from navigation.config.values import Place
@@ -339,17 +339,8 @@ def _line_of(config: Config) -> str:
 
 def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Location, str]]:
     assert config.simulation is not None
-    places: list[tuple[Location, str, Place]] = [
-        (("simulation", "starts", i), one.name, one)
-        for i, one in enumerate(config.simulation.starts)
-    ]
-    places += [
-        (("mission", "robots", i, "stations", j), one.name, station)
-        for i, one in enumerate(config.mission.robots)
-        for j, station in enumerate(one.stations)
-    ]
     robots = each_robot(config)
-    for where, name, place in places:
+    for where, name, place in named_places(config.mission, config.simulation):
         clearance = float(arena.clearances([[place.x_m, place.y_m]])[0])
         if name in robots and clearance < robots[name].robot.radius_m:
             need = robots[name].robot.radius_m

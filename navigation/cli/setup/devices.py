@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import glob
 import json
+import os
 
 import click
 
@@ -26,9 +28,6 @@ def command(form: str) -> None:
 
 def serial_ports() -> list[dict[str, str]]:
     """Each port's stable path (or its device if it has none), device and description."""
-    import glob
-    import os
-
     from serial.tools import list_ports
 
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/serial/by-id/*"))}

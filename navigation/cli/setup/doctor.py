@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
@@ -123,8 +123,6 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 
 def _plugged_in() -> Iterator[Finding]:
-    from dataclasses import replace
-
     from navigation.cli.setup.devices import cameras_here, serial_ports
     from navigation.machine.doctor import (
         Finding,
@@ -150,8 +148,6 @@ def _plugged_in() -> Iterator[Finding]:
 
 
 def _camera(config: Config) -> Iterator[Finding]:
-    from dataclasses import replace
-
     from navigation.config.several.each_camera import each_camera
 
     if not config.cameras:
@@ -179,8 +175,6 @@ def _one_camera(config: Config) -> Iterator[Finding]:
 
 
 def _pictures(config: Config) -> Iterator[Finding]:
-    from dataclasses import replace
-
     from navigation.cli.setup.camera_watch import watch
     from navigation.machine.camera_findings import camera_findings
     from navigation.machine.doctor import Finding
@@ -202,8 +196,6 @@ def _pictures(config: Config) -> Iterator[Finding]:
 
 
 def _port(config: Config) -> Iterator[Finding]:
-    from dataclasses import replace
-
     from navigation.config.several.each_robot import robots_of
     from navigation.machine import doctor
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from navigation.cli.outputs import write_bytes
 from navigation.cli.setup.starter_values import OWN_MARKER_M
 
 
@@ -73,8 +74,5 @@ def command(
         stem = f"{spec.kind}-{spec.columns}x{spec.rows}"
     for path in output or (Path(f"{stem}.pdf"), Path(f"{stem}.png")):
         data = pdf_bytes(sheet, paper) if path.suffix.lower() == ".pdf" else png_bytes(sheet)
-        try:
-            path.write_bytes(data)
-        except OSError as error:
-            raise click.UsageError(f"{path}: cannot be written: {error.strerror}") from error
+        write_bytes(path, data)
         click.echo(f"{path}: {sheet.label}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -40,8 +42,6 @@ def command(config: Path | None, source: str | None, path: Path | None, name: st
         return
     if path is not None:
         raise click.UsageError("--socket is for the running daemon: without CONFIG")
-    from datetime import datetime
-
     from navigation.cli.setup.check import load_checked
     from navigation.run.anchoring import of_camera, renew
 
@@ -60,8 +60,6 @@ def _ask_the_daemon(path: Path | None, name: str | None) -> None:
 
 
 def _pictures(config: Config, source: str | None) -> list[Image]:
-    import time
-
     from navigation.run.devices.device_settings import device_settings
     from navigation.run.world import World
     from vision.camera.camera import CameraError

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+from navigation.cli.outputs import write_text
+
 
 @click.command(short_help="The configuration's JSON Schema.")
 @click.option(
@@ -27,7 +29,4 @@ def command(form: str, output: Path | None) -> None:
     text = (
         reference_markdown() if form == "markdown" else json.dumps(json_schema(), indent=2) + "\n"
     )
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        output.write_text(text, encoding="utf-8")
+    write_text(output, text)

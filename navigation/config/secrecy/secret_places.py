@@ -10,7 +10,7 @@ Rules
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -79,11 +79,8 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
 
 def masked(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
     """Put a star for each character of a secret and of ``more`` places; lines and columns stay."""
-    parts, end = [], 0
-    for start, stop in _merged([*secret_spans(text), *more]):
-        parts += [text[end:start], re.sub(r"[^\s]", "*", text[start:stop])]
-        end = stop
-    return "".join([*parts, text[end:]])
+    spans = _merged([*secret_spans(text), *more])
+    return _replaced(text, spans, lambda secret: re.sub(r"[^\s]", "*", secret))
 
 
 def without_secrets(text: str, more: Iterable[tuple[int, int]] = ()) -> str:
@@ -97,9 +94,13 @@ def log_without_secrets(text: str) -> str:
 
 
 def _without(text: str, spans: list[tuple[int, int]]) -> str:
+    return _replaced(text, spans, lambda _: HIDDEN)
+
+
+def _replaced(text: str, spans: list[tuple[int, int]], shown: Callable[[str], str]) -> str:
     parts, end = [], 0
     for start, stop in spans:
-        parts += [text[end:start], HIDDEN]
+        parts += [text[end:start], shown(text[start:stop])]
         end = stop
     return "".join([*parts, text[end:]])
 

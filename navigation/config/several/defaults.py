@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from navigation.config.marks import Location
-from navigation.config.several.each_robot import robot_of, serial_of
+from navigation.config.values import with_own
 
 _ENTRIES: Final = {"robot": "robots", "serial": "robots", "camera": "cameras"}
 
@@ -35,10 +35,7 @@ def found_in(
     names: dict[tuple[Location, str], list[str]] = {}
     for index, entry in enumerate(sections["robots"]):
         own = dict(sections)
-        if "robot" in sections:
-            own["robot"] = robot_of(sections["robot"], entry)
-        if "serial" in sections:
-            own["serial"] = serial_of(sections["serial"], entry)
+        own |= {key: with_own(own[key], entry) for key in ("robot", "serial") if key in own}
         for where, sentence in check(*(own[name] for name in needed)):
             if _ENTRIES.get(str(where[0])) == "robots" and len(where) == 2:
                 key = str(where[1])

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from navigation.config.sections import Config, RobotEntry, RobotSection, SerialSection
-from navigation.config.values import with_own
+from collections.abc import Iterator
 
-
-def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
-    """``robot`` with the differences of an entry."""
-    return with_own(robot, entry)
-
-
-def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
-    """``serial`` with the differences of an entry."""
-    return with_own(serial, entry)
+from navigation.config.marks import Location
+from navigation.config.sections import Config, MissionSection, RobotEntry
+from navigation.config.simulation import SimulationSection
+from navigation.config.values import Place, with_own
 
 
 def each_robot(config: Config) -> dict[str, Config]:
     """Configuration of each of several robots as if it were alone, by name; else empty."""
     return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
+
+
+def named_places(
+    mission: MissionSection, simulation: SimulationSection | None
+) -> Iterator[tuple[Location, str, Place]]:
+    """Yield each robot's start and stations, with their keys and its name."""
+    for i, start in enumerate(simulation.starts if simulation is not None else ()):
+        yield ("simulation", "starts", i), start.name, start
+    for i, one in enumerate(mission.robots):
+        for j, station in enumerate(one.stations):
+            yield ("mission", "robots", i, "stations", j), one.name, station
 
 
 def robots_of(config: Config) -> dict[str, Config]:
@@ -43,10 +48,10 @@ def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
         journal = journal.with_name(f"{journal.name}.{entry.name}")
     return config.model_copy(
         update={
-            "robot": robot_of(config.robot, entry),
+            "robot": with_own(config.robot, entry),
             "robots": (),
             "zones": tuple(zone.model_copy(update={"robots": ()}) for zone in zones),
-            "serial": serial_of(config.serial, entry),
+            "serial": with_own(config.serial, entry),
             "mission": mission,
             "tasks": (),
             "simulation": simulation,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
 from navigation.config.marks import Location
-from navigation.config.several.each_robot import robot_of, serial_of
-from navigation.config.values import SIMULATED, Place
+from navigation.config.sections import MissionSection
+from navigation.config.several.each_robot import named_places
+from navigation.config.values import SIMULATED, Place, with_own
 
 _Found = Iterator[tuple[Location, str]]
 
@@ -30,7 +31,7 @@ def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) 
             owner = markers[entry.marker_id]
             yield ("robots", index, "marker_id"), f"{entry.marker_id} is {owner}'s already"
         markers.setdefault(entry.marker_id, f"robots[{index}] ({entry.name})")
-        port = serial_of(serial, entry).port
+        port = with_own(serial, entry).port
         if port in ports:
             where: Location = ("robots", index, "port") if entry.port else ("robots", index)
             yield where, f"'{port}' is the port of {ports[port]} already: each needs its own"
@@ -79,7 +80,7 @@ def every_robot_has_a_start(robots: Any, serial: Any, simulation: Any) -> _Found
         entry.name
         for entry in robots
         if entry.name not in started
-        and serial_of(serial, entry).port == SIMULATED
+        and with_own(serial, entry).port == SIMULATED
         and not (len(robots) == 1 and simulation.start is not None)
     ]
     if missing:
@@ -107,48 +108,26 @@ def missions_fit_the_fleet(robots: Any, mission: Any, tasks: Any) -> _Found:
 
 def goals_do_not_touch(robots: Any, robot: Any, mission: Any) -> _Found:
     """Two robots cannot end where their bodies would overlap."""
-    by_name = {entry.name: entry for entry in robots}
-    ends = [
-        (index, one, one.stations[-1])
-        for index, one in enumerate(mission.robots)
-        if one.stations and one.name in by_name
-    ]
-    for (_, a, at), (index, b, there) in combinations(ends, 2):
-        if a.name == b.name:
-            continue
-        yield from _apart(
-            (a.name, at, robot_of(robot, by_name[a.name]).radius_m),
-            (b.name, there, robot_of(robot, by_name[b.name]).radius_m),
-            ("mission", "robots", index, "stations", len(b.stations) - 1),
-            "goals",
-        )
+    ends = {one[0][2]: one for one in named_places(mission, None)}  # the last station of each
+    yield from _none_touch(robots, robot, ends.values(), "goals")
 
 
 def starts_do_not_touch(robots: Any, robot: Any, simulation: Any) -> _Found:
     """Two simulated robots cannot begin where their bodies would overlap."""
-    by_name = {entry.name: entry for entry in robots}
-    starts = [] if simulation is None else list(enumerate(simulation.starts))
-    known = [(index, one) for index, one in starts if one.name in by_name]
-    for (_, a), (index, b) in combinations(known, 2):
-        if a.name != b.name:
-            yield from _apart(
-                (a.name, a, robot_of(robot, by_name[a.name]).radius_m),
-                (b.name, b, robot_of(robot, by_name[b.name]).radius_m),
-                ("simulation", "starts", index),
-                "starts",
-            )
+    starts = named_places(MissionSection(), simulation)
+    yield from _none_touch(robots, robot, starts, "starts")
 
 
-def _apart(
-    one: tuple[str, Place, float], other: tuple[str, Place, float], where: Location, what: str
+def _none_touch(
+    robots: Any, robot: Any, places: Iterable[tuple[Location, str, Place]], what: str
 ) -> _Found:
-    (a, here, ra), (b, there, rb) = one, other
-    off_m = math.dist((here.x_m, here.y_m), (there.x_m, there.y_m))
-    if off_m < ra + rb:
-        yield (
-            where,
-            (
-                f"the {what} of {a} and {b} are {off_m:.3g} m apart: must be >= {ra + rb:.3g}, "
-                "both radii together"
-            ),
+    radii = {entry.name: with_own(robot, entry).radius_m for entry in robots}
+    known = [(where, name, one) for where, name, one in places if name in radii]
+    for (_, a, here), (where, b, there) in combinations(known, 2):
+        off_m, least_m = (
+            math.dist((here.x_m, here.y_m), (there.x_m, there.y_m)),
+            radii[a] + radii[b],
         )
+        if a != b and off_m < least_m:
+            sentence = f"the {what} of {a} and {b} are {off_m:.3g} m apart"
+            yield where, f"{sentence}: must be >= {least_m:.3g}, both radii together"

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from enum import Enum
 from urllib.parse import urlsplit
 
+from starlette.responses import PlainTextResponse, Response
+
 from navigation.config.dashboard import DashboardSection
 
 PROTOCOL = "clearway.1"
@@ -125,6 +127,12 @@ class AccessGate:
     def _refuse(self, status: int, kind: str, sentence: str) -> Refusal:
         self.count(kind)
         return Refusal(status, kind, sentence)
+
+
+def refused(refusal: Refusal) -> Response:
+    """Response to a visitor who is turned away."""
+    headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
+    return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)
 
 
 def token_of(subprotocols: list[str]) -> str | None:

@@ -25,7 +25,6 @@ class Line(Protocol):
 
     def is_closing(self) -> bool:
         """True if it is closed, or will be when everything was sent."""
-        ...
 
 
 @dataclass(slots=True, eq=False)

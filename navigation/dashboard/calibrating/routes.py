@@ -17,10 +17,10 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from navigation.config.secrecy.secrets import hide_in
-from navigation.dashboard.admission.access import Refusal
+from navigation.dashboard.admission.access import Refusal, refused
 from navigation.dashboard.calibrating.bench import Bench, board_of
 from navigation.dashboard.hub import Hub
-from navigation.dashboard.visits import Visits, refused
+from navigation.dashboard.visits import Visits
 
 ADDRESS: Final = "/api/calibration"
 NO_BENCH: Final = Refusal(

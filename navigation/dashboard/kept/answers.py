@@ -20,8 +20,8 @@ from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.secrecy.secrets import hide_in
 from navigation.config.values import MOST_ROBOTS
-from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of
-from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
+from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of, refused
+from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, is_run
 
 PIECE_BYTES: Final = 524_288
 MOST_A_PAGE: Final = 50
@@ -67,7 +67,9 @@ class KeptAnswers:
                     return made
             work = asyncio.get_running_loop().run_in_executor
             page = await work(self._workers, self._runs.page, before, count)
-            body: dict[str, Any] = hide_in(_page_body(page))
+            runs = [_run_body(run) for run in page.runs]
+            told = {"runs": runs, "total": page.total, "following": page.following}
+            body: dict[str, Any] = hide_in(told)
             self._newest = ((before, count), now_s, body)
             return body
 
@@ -91,10 +93,7 @@ class KeptAnswers:
 
     def _refusal(self, request: Request) -> Response | None:
         role = self._gate.role(bearer_of(request.headers.get("authorization")))
-        if not isinstance(role, Refusal):
-            return None
-        bearer = {"www-authenticate": "Bearer"} if role.status == 401 else {}
-        return PlainTextResponse(role.sentence + "\n", role.status, headers=bearer)
+        return refused(role) if isinstance(role, Refusal) else None
 
 
 def _piece_of(file: BinaryIO, name: str, wanted: str | None) -> Response:
@@ -119,14 +118,6 @@ def _piece_of(file: BinaryIO, name: str, wanted: str | None) -> Response:
     if match is not None:
         headers["content-range"] = f"bytes {first}-{first + len(body) - 1}/{size}"
     return Response(body, 200 if match is None else 206, headers, kind)
-
-
-def _page_body(page: RunPage) -> dict[str, Any]:
-    return {
-        "runs": [_run_body(run) for run in page.runs],
-        "total": page.total,
-        "following": page.following,
-    }
 
 
 def _run_body(run: KeptRun) -> dict[str, Any]:

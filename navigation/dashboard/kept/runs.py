@@ -100,7 +100,7 @@ class KeptRuns:
         folder = self.runs_dir / name
         return KeptRun(
             name,
-            datetime.strptime(_stamp(name), _STAMP),
+            datetime.strptime(_order(name)[0], _STAMP),
             _report(folder / RUN_FILES[0]),
             tuple(_sized(folder, RUN_FILES)),
             tuple(_sized(self.recordings_dir, recordings.get(name, []))),
@@ -108,7 +108,7 @@ class KeptRuns:
         )
 
     def _recordings(self, runs: list[str]) -> dict[str, list[str]]:
-        begins = [_stamp(name) for name in runs]
+        begins = [_order(name)[0] for name in runs]
         found: dict[str, list[str]] = {}
         for name in sorted(_names(self.recordings_dir, is_recording)):
             match = _RECORDING.fullmatch(name)
@@ -133,12 +133,6 @@ def _is_time(match: re.Match[str] | None) -> bool:
         return match is not None and datetime.strptime(match[1], _STAMP) is not None
     except ValueError:
         return False
-
-
-def _stamp(name: str) -> str:
-    match = _RUN.fullmatch(name)
-    assert match is not None
-    return match[1]
 
 
 def _order(name: str) -> tuple[str, int]:

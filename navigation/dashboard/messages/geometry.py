@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from navigation.dashboard.messages.packed import pack
 from navigation.draw.outlines import chain_points
 from planner.path import Path
-from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
 from planner.zones.zoned_roadmap import ZonedRoadmap
 
@@ -42,7 +41,10 @@ def world_message(zoned: ZonedRoadmap, number: int) -> bytes:
         "chain_first": np.asarray(chains.first, dtype=np.int32),
         "chain_usable": usable,
     }
-    fields = {"number": number, "objects": len(scene.objects), "counts": _counts(zoned.walls)}
+    generators, vertices = zoned.walls.agvd.counts  # the ordinary diagram need not be made
+    counts = {"generators": generators, "voronoi_vertices": vertices}
+    counts["chains"] = len(zoned.walls.chains)
+    fields = {"number": number, "objects": len(scene.objects), "counts": counts}
     return pack("world", fields, arrays)
 
 
@@ -100,12 +102,3 @@ def _single(pieces: Iterable[FloatArray]) -> NDArray[np.float32]:
 
 def _firsts(pieces: list[FloatArray]) -> NDArray[np.int32]:
     return np.cumsum([0, *(len(piece) for piece in pieces)]).astype(np.int32)
-
-
-def _counts(roadmap: Roadmap) -> dict[str, int]:
-    generators, vertices = roadmap.agvd.counts  # the ordinary diagram need not be made for them
-    return {
-        "generators": generators,
-        "voronoi_vertices": vertices,
-        "chains": len(roadmap.chains),
-    }

@@ -41,14 +41,3 @@ def pack(kind: str, fields: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]
     head = json.dumps({"type": kind, **fields, "arrays": index}, allow_nan=False).encode()
     head += b" " * (-len(head) % 4)
     return b"".join([struct.pack("<I", len(head)), head, *parts])
-
-
-def unpack(message: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Head and arrays, flat, of a packed message."""
-    (length,) = struct.unpack_from("<I", message)
-    head: dict[str, Any] = json.loads(message[4 : 4 + length])
-    arrays = {
-        name: np.frombuffer(message, "<" + _TYPES[kind], count, 4 + length + first)
-        for name, (kind, first, count) in head.pop("arrays").items()
-    }
-    return head, arrays

@@ -19,7 +19,7 @@ from navigation.draw.shapes import RAMP_STEPS
 from navigation.link.link_snapshot import LinkSnapshot, doubt_of_stop
 from navigation.loop.run_state import RobotSnapshot, StageTimes
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import State, Station
+from navigation.mission.mission import State
 from navigation.witness import Evidence
 from planner.path import NoPath
 from vision.camera.latest_frame import CameraStatus
@@ -85,14 +85,17 @@ def state_message(
 
 def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, Any]:
     """Mission, place and link of one robot."""
-    mission = state.mission
+    mission, stopped = state.mission, state.mission.state is State.STOPPED
     return {
         "paused": mission.paused,
         "mission": {
             "state": mission.state.value,
             "sentence": state.sentence,
             "reasons": list(state.verdict.reasons),
-            "stations": [_station(station) for station in mission.stations],
+            "stations": [
+                {"x_m": s.x, "y_m": s.y, "heading_rad": s.heading_rad, "dwell_s": s.dwell_s}
+                for s in mission.stations
+            ],
             "visited": mission.visited,
             "trust": state.trust.value,
         },
@@ -100,7 +103,7 @@ def robot_facts(state: RobotSnapshot, view: TopView, now_s: float) -> dict[str, 
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,
-        "link": {**_link(state.link), "stop_doubt": _stop_doubt(state)},
+        "link": {**_link(state.link), "stop_doubt": doubt_of_stop(state.link) if stopped else None},
     }
 
 
@@ -124,15 +127,6 @@ def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
     duration_s = None if answer.trajectory is None else answer.trajectory.duration_s
     points = [[round(float(x), 4), round(float(y), 4)] for x, y in path.points]
     return {"ok": True, **facts, "duration_s": duration_s, "points": points}
-
-
-def _station(station: Station) -> dict[str, float | None]:
-    return {
-        "x_m": station.x,
-        "y_m": station.y,
-        "heading_rad": station.heading_rad,
-        "dwell_s": station.dwell_s,
-    }
 
 
 def _pose(pose: RobotPose, view: TopView, now_s: float) -> dict[str, Any]:
@@ -175,10 +169,6 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
             for name, one in camera.each
         ],
     }
-
-
-def _stop_doubt(state: RobotSnapshot) -> str | None:
-    return doubt_of_stop(state.link) if state.mission.state is State.STOPPED else None
 
 
 def _link(link: LinkSnapshot) -> dict[str, Any]:

@@ -12,7 +12,8 @@ from typing import Any
 
 from navigation.dashboard.messages.packed import pack
 from navigation.draw.outlines import chain_points
-from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
+from navigation.recording.zone_bodies import area_body
+from planner.zones.areas import Area, MaskArea
 from planner.zones.zone import Zone
 
 
@@ -34,15 +35,9 @@ def _zone(zone: Zone) -> dict[str, Any]:
 
 
 def _area(area: Area) -> dict[str, Any]:
-    match area:
-        case PolygonArea(corners):
-            return {"polygon": corners}
-        case CircleArea((x, y), radius):
-            return {"circle": (x, y, radius)}
-        case BandArea(line, width):
-            return {"line": line, "width_m": width}
-        case MaskArea(_, source):
-            return {"mask": Path(source).name or "a mask", "outlines": _outlines(area)}
+    if isinstance(area, MaskArea):
+        return {"mask": Path(area.source).name or "a mask", "outlines": _outlines(area)}
+    return area_body(area)
 
 
 def _outlines(area: MaskArea) -> list[list[list[float]]]:

@@ -74,45 +74,39 @@ class Desk:
         ``RefusedError`` if that is impossible; the file is unchanged then.
         """
         with self._lock:
-            self._save(typed, base)
+            text = read_source(self._file)
+            if _digest(text) != base:
+                raise RefusedError(
+                    f"{self._file.name} was changed by someone else since: read it again first"
+                )
+            changed, problems = self._changed(text, typed)
+            if problems:
+                raise RefusedError("; ".join(one["sentence"] for one in problems))
+            if changed == text:
+                raise RefusedError("nothing has changed")
+            try:
+                self._keep(text)
+                write_whole(self._file, changed)
+            except (OSError, UnwrittenFileError) as error:
+                raise RefusedError(f"not saved: {error}") from None
         self._around.reload()
         return f"saved {', '.join(sorted(typed))} in {self._file.name}"
-
-    def _save(self, typed: Mapping[str, str], base: str) -> None:
-        text = read_source(self._file)
-        if _digest(text) != base:
-            raise RefusedError(
-                f"{self._file.name} was changed by someone else since: read it again first"
-            )
-        changed, problems = self._changed(text, typed)
-        if problems:
-            raise RefusedError("; ".join(one["sentence"] for one in problems))
-        if changed == text:
-            raise RefusedError("nothing has changed")
-        try:
-            self._keep(text)
-            write_whole(self._file, changed)
-        except (OSError, UnwrittenFileError) as error:
-            raise RefusedError(f"not saved: {error}") from None
 
     def undo(self) -> str:
         """Restore the newest earlier text and reload; ``RefusedError`` without one."""
         with self._lock:
-            self._put_back()
+            earlier = self._earlier()
+            if not earlier:
+                raise RefusedError("there is no earlier text to go back to")
+            try:
+                text = earlier[-1].read_text(encoding="utf-8")
+                parse_config(text, self._file.name, self._file.parent, self._around.environment)
+                write_whole(self._file, text)
+                earlier[-1].unlink()
+            except (ConfigError, OSError, UnwrittenFileError) as error:
+                raise RefusedError(f"not put back: {hide(str(error))}") from None
         self._around.reload()
         return f"the last change of {self._file.name} is undone"
-
-    def _put_back(self) -> None:
-        earlier = self._earlier()
-        if not earlier:
-            raise RefusedError("there is no earlier text to go back to")
-        try:
-            text = earlier[-1].read_text(encoding="utf-8")
-            parse_config(text, self._file.name, self._file.parent, self._around.environment)
-            write_whole(self._file, text)
-            earlier[-1].unlink()
-        except (ConfigError, OSError, UnwrittenFileError) as error:
-            raise RefusedError(f"not put back: {hide(str(error))}") from None
 
     def _keys(self, text: str) -> list[Key]:
         cameras, ports = self._around.devices()

@@ -36,18 +36,15 @@ class Drives(Protocol):
     @property
     def beat_s(self) -> float:
         """Time of its loop's last beat; -inf before the first."""
-        ...
 
     def start(self) -> str | None:
         """Start a new one; return the reason if that fails."""
 
     def runs(self) -> bool:
         """True while there is one, even one about to end."""
-        ...
 
     def how_it_ended(self) -> str:
         """Words for the end of one that does not run."""
-        ...
 
     def ask_to_end(self) -> None:
         """Ask it to say farewell."""
@@ -57,7 +54,6 @@ class Drives(Protocol):
 
     def lend(self, descriptor: int) -> bool:
         """Give it the port; True if it was taken."""
-        ...
 
 
 class DriverWatch:

@@ -58,4 +58,3 @@ class RobotDriver(Protocol):
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """Bytes due; call once the line has taken the last ones."""
-        ...

@@ -21,6 +21,7 @@ from typing import Any, Final
 
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.link.drivers.robot_driver import Heard
+from navigation.shared.outside import finite_number
 
 WATCHDOG_MS: Final = 500
 GREET_S: Final = 1.0
@@ -146,14 +147,14 @@ class WaveshareDriver:
             return None
         if not isinstance(report, dict) or report.get("T") != REPORT:
             return None
-        speeds = _number(report, "L"), _number(report, "R")
+        speeds = finite_number(report.get("L")), finite_number(report.get("R"))
         most = 2.0 * self.robot.wheel_m_s
         if any(speed is None or abs(speed) > most for speed in speeds):
             self.heard.damaged += 1
             return None
         self.heard.messages += 1
         self.heard.identity = self.robot.title
-        volts = _number(report, "v")
+        volts = finite_number(report.get("v"))
         if volts is not None:
             volts = volts / 100 if volts > HUNDREDTHS_V else volts
             self.heard.battery = max(0.0, min(1.0, (volts - EMPTY_V) / (FULL_V - EMPTY_V)))
@@ -165,10 +166,3 @@ class WaveshareDriver:
 
 def _line(order: dict[str, Any]) -> bytes:
     return json.dumps(order, separators=(",", ":")).encode() + b"\n"
-
-
-def _number(report: dict[str, Any], key: str) -> float | None:
-    value = report.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        return None
-    return float(value)

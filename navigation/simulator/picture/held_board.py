@@ -21,12 +21,12 @@ from navigation.config import Config
 from navigation.simulator.picture.boards import BoardPainter, BoardPose, PrintedBoard
 from navigation.simulator.picture.drawing import Appearance, FloatImage
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
-from navigation.simulator.picture.timed_camera import Wait
+from navigation.simulator.picture.timed_camera import TimedCamera, Wait
 from planner.scene import Bounds, FloatArray, Scene
 from vision.calibrate.board import BoardSpec
 from vision.calibrate.covariance import KnownLens
 from vision.calibrate.live.guide import HeldPose, held_poses
-from vision.camera.camera import CameraError, Clock, Frame, RateMeter, SourceState
+from vision.camera.camera import CameraError, Clock, Image
 
 MOVE_S: Final = 0.7
 REST_S: Final = 1.1
@@ -34,16 +34,10 @@ MOVING_SAMPLES: Final = 2
 """Samples a pixel and side of a moving board; it is never measured."""
 
 
-class HeldBoardCamera:
-    """Camera with a hand-held board; `vision.camera.camera.Camera` describes the members.
-
-    ``clock`` gives monotonic seconds, ``wait`` lets them pass. ``asked`` gives the requested pose
-    of the board, or None.
-    """
+class HeldBoardCamera(TimedCamera[None]):
+    """Camera with a hand-held board; ``asked`` gives its requested pose, or None."""
 
     name = "simulated camera and board"
-    reason = ""
-    may_repeat = False
 
     def __init__(
         self,
@@ -56,6 +50,7 @@ class HeldBoardCamera:
     ) -> None:
         if config.simulation is None:
             raise CameraError("the configuration has no section 'simulation'")
+        super().__init__(clock, wait, config.camera.rate_hz, latency_s=0.0, may_repeat=False)
         camera = config.simulation.camera
         self._pinhole = pinhole_of(config)
         look = Appearance(camera.blur_px, camera.noise_grey, camera.light_fall)
@@ -63,8 +58,6 @@ class HeldBoardCamera:
         board = _board(spec)
         self._painter = BoardPainter(self._pinhole, look, board, empty)
         self._noise_grey = camera.noise_grey
-        self._clock, self._wait = clock, wait
-        self._period_s = 1.0 / config.camera.rate_hz
         self._rng = np.random.default_rng(seed)
         held = held_poses(_true_lens(self._pinhole), spec)
         if not held:
@@ -76,44 +69,20 @@ class HeldBoardCamera:
         self._here = self._there = next(self._others)
         self._stage = 0
         self._resting: FloatImage | None = None
-        self._meter = RateMeter()
-        self._began_s = self._next_s = 0.0
-        self._sequence = 0
-        self.state: SourceState = "closed"
-
-    @property
-    def rate_hz(self) -> float:
-        """Measured frames a second; 0.0 before the second frame."""
-        return self._meter.rate_hz
+        self._began_s = 0.0
 
     def open(self) -> None:
         """Start giving frames."""
-        self.state = "running"
-        self._began_s = self._next_s = self._clock()
+        super().open()
+        self._began_s = self._next_s
 
-    def close(self) -> None:
-        """Stop; it can be opened again."""
-        self.state = "closed"
+    def _prepare(self) -> None:
+        """Nothing: the person moves the board until the exposure."""
 
-    def read(self, timeout_s: float) -> Frame | None:
-        """Next frame at its time; None if that is over ``timeout_s`` away."""
-        if self.state != "running":
-            raise CameraError(f"{self.name}: is not open")
-        delay_s = self._next_s - self._clock()
-        if delay_s > timeout_s:
-            self._wait(timeout_s)
-            return None
-        if delay_s > 0.0:
-            self._wait(delay_s)
-        captured_s = self._clock()
-        late = max(0, int((captured_s - self._next_s) / self._period_s))
-        self._next_s += (late + 1) * self._period_s
-        picture = self._picture(captured_s - self._began_s)
+    def _expose(self, prepared: None) -> Image:
+        picture = self._picture(self.late_since_s - self._began_s)
         noise = self._rng.standard_normal(picture.shape, dtype=np.float32)
-        noisy = np.clip(np.rint(picture + self._noise_grey * noise), 0, 255).astype(np.uint8)
-        self._meter.add(captured_s)
-        self._sequence += 1
-        return Frame(noisy, captured_s, self._sequence - 1, self.name)
+        return np.clip(np.rint(picture + self._noise_grey * noise), 0, 255).astype(np.uint8)
 
     def _picture(self, passed_s: float) -> FloatImage:
         number, within_s = divmod(passed_s, REST_S + MOVE_S)

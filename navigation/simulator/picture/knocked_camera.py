@@ -26,7 +26,7 @@ class Knock:
 class KnockedCamera:
     """Several cameras as one; `vision.camera.camera.Camera` describes the members."""
 
-    name = TimedCamera.name
+    name, reason = TimedCamera.name, TimedCamera.reason
 
     def __init__(
         self, camera: TimedCamera[Any], knocks: Sequence[Knock], clock: Callable[[], float]
@@ -40,11 +40,6 @@ class KnockedCamera:
     def state(self) -> SourceState:
         """``closed`` or ``running``."""
         return self._present.state
-
-    @property
-    def reason(self) -> str:
-        """Empty: it never fails."""
-        return self._present.reason
 
     @property
     def rate_hz(self) -> float:

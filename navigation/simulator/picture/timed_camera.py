@@ -21,53 +21,42 @@ class TimedCamera(ABC, Generic[_Prepared]):
     """
 
     name = "simulated camera"
+    reason = ""
+    """It never fails."""
 
     def __init__(
         self, clock: Clock, wait: Wait, rate_hz: float, latency_s: float, *, may_repeat: bool
     ) -> None:
         self._clock, self._wait = clock, wait
         self._period_s, self._latency_s = 1.0 / rate_hz, latency_s
-        self._may_repeat = may_repeat
+        self.may_repeat = may_repeat
+        """True if eight bits do not show the noise: pictures are equal while nothing moves."""
         self._meter = RateMeter()
-        self._state: SourceState = "closed"
+        self.state: SourceState = "closed"
+        """``closed`` or ``running``."""
         self._next_s = 0.0
         self.late_since_s = math.inf
         """Exposure of the next picture, or of the one that its reader has in hand."""
         self._sequence = 0
 
     @property
-    def state(self) -> SourceState:
-        """``closed`` or ``running``."""
-        return self._state
-
-    @property
-    def reason(self) -> str:
-        """Empty: it never fails."""
-        return ""
-
-    @property
     def rate_hz(self) -> float:
         """Measured frames a second; 0.0 before the second frame."""
         return self._meter.rate_hz
 
-    @property
-    def may_repeat(self) -> bool:
-        """True if eight bits do not show the noise: pictures are equal while nothing moves."""
-        return self._may_repeat
-
     def open(self) -> None:
         """Start giving frames."""
-        self._state = "running"
+        self.state = "running"
         self._next_s = self._clock()
 
     def continue_after(self, other: TimedCamera[_Prepared]) -> None:
         """Start giving frames at the time of the other, closed camera's next one."""
-        self._state, self._next_s = "running", other._next_s
+        self.state, self._next_s = "running", other._next_s
         other.close()
 
     def close(self) -> None:
         """Stop; it can be opened again."""
-        self._state = "closed"
+        self.state = "closed"
         self.late_since_s = math.inf
 
     def read(self, timeout_s: float) -> Frame | None:
@@ -75,7 +64,7 @@ class TimedCamera(ABC, Generic[_Prepared]):
 
         A late reader misses frames, as with a real camera.
         """
-        if self._state != "running":
+        if self.state != "running":
             raise CameraError(f"{self.name}: is not open")
         self.late_since_s = self._next_s
         delay_s = self._next_s - self._clock()

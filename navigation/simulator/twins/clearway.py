@@ -13,14 +13,14 @@ from firmware_protocol.robot.controller import RobotController, WheelSpeeds
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import ResetCause, StopReason
 from navigation.simulator.drive_model import DriveModel
-from navigation.simulator.twins.twin import Body
+from navigation.simulator.twins.twin import Body, Twin
 
 CONTROL_EVERY: Final = 5
 """Steps to one control cycle: 10 ms."""
 BAUD: Final = 115_200
 
 
-class ClearwayTwin:
+class ClearwayTwin(Twin):
     """Our own robot. ``boot_ids`` numbers its boots; ``model`` has its wheels' mechanics."""
 
     baud = BAUD
@@ -57,9 +57,6 @@ class ClearwayTwin:
         if pressed:
             self.controller.emergency_stop(StopReason.ESTOP_LOCAL)
 
-    def lift(self, lifted: bool) -> None:
-        """Do nothing: it has no sensor."""
-
     def receive(self, data: bytes, now_s: float) -> None:
         """Take the host's frames, in any portions."""
         self._connection.receive_bytes(data, now_s)
@@ -76,6 +73,3 @@ class ClearwayTwin:
     def bytes_to_send(self, now_s: float) -> bytes:
         """Return the most urgent due frame."""
         return self._connection.next_frame(now_s)
-
-    def close(self) -> None:
-        """Nothing to end."""

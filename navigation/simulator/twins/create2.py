@@ -26,7 +26,7 @@ from enum import IntEnum
 from typing import Final
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import ON_FOR_S, Body
+from navigation.simulator.twins.twin import ON_FOR_S, Body, Twin
 
 WHEEL_M: Final = 0.072
 TICKS_A_TURN: Final = 508.8
@@ -66,7 +66,7 @@ class OpenInterfaceMode(IntEnum):
     FULL = 3
 
 
-class Create2Twin:
+class Create2Twin(Twin):
     """Serial port, modes and wheel orders of a Create 2."""
 
     body = Body(0.235, TICKS_A_TURN / (math.pi * WHEEL_M), LIMIT_MM_S / 1000)
@@ -110,9 +110,6 @@ class Create2Twin:
     def lift(self, lifted: bool) -> None:
         """Drop both wheels out of the body, or back."""
         self._lifted = lifted
-
-    def close(self) -> None:
-        """Nothing to end."""
 
     def dock(self, docked: bool) -> None:
         """Put it on its home base, or take it off."""

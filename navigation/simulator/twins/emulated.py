@@ -14,10 +14,10 @@ from pathlib import Path
 from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.emulated_processor import TICK_M, EmulatedProcessor, Motors
-from navigation.simulator.twins.twin import STEP_S, Body
+from navigation.simulator.twins.twin import STEP_S, Body, Twin
 
 
-class EmulatedTwin:
+class EmulatedTwin(Twin):
     """The robot on the emulator that ``command`` starts (:mod:`emulated_processor`).
 
     EmulatorError if it cannot be started, and from :meth:`step` when it has ended.
@@ -42,12 +42,6 @@ class EmulatedTwin:
         self._was_found = True
         self._ticks = None
         self._waiting = b""
-
-    def bump(self, pressed: bool) -> None:
-        """Do nothing: its board has no button."""
-
-    def lift(self, lifted: bool) -> None:
-        """Do nothing: it has no sensor."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take bytes for the UART, for the next step."""

@@ -17,7 +17,7 @@ import re
 from typing import Final
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import Body
+from navigation.simulator.twins.twin import Body, Twin
 
 STEPS_A_TURN: Final = 1_000
 WHEEL_M: Final = 0.041
@@ -31,7 +31,7 @@ VERSION: Final = b"v,Version 2.0 January 2018 GCtronic\r\nHW version: FFFF\r\n"
 LONGEST: Final = 80
 
 
-class Epuck2Twin:
+class Epuck2Twin(Twin):
     """Serial port and two steppers of an e-puck2."""
 
     body = Body(0.053, 1 / STEP_M, MOST_STEPS_S * STEP_M)
@@ -52,12 +52,6 @@ class Epuck2Twin:
     def bump(self, pressed: bool) -> None:
         """Put something before its front distance sensors, or take it away."""
         self._near = pressed
-
-    def lift(self, lifted: bool) -> None:
-        """Do nothing: it has no sensor."""
-
-    def close(self) -> None:
-        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take characters; the binary mode consumes some."""

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import Body
+from navigation.simulator.twins.twin import Body, Twin
 
 DXL_ID: Final = 200
 BROADCAST: Final = 254
@@ -44,7 +44,7 @@ BATTERY_V: Final = 11.7
 PREAMBLE: Final = b"\xff\xff\xfd\x00"
 
 
-class Turtlebot3Twin:
+class Turtlebot3Twin(Twin):
     """USB port, table and motors of a TurtleBot3."""
 
     baud = 1_000_000
@@ -83,12 +83,6 @@ class Turtlebot3Twin:
         """Switch the battery; the board itself is powered over USB."""
         self._motors_have_power = powered
         self._has_torque = self._has_torque and powered
-
-    def lift(self, lifted: bool) -> None:
-        """Do nothing: it has no sensor."""
-
-    def close(self) -> None:
-        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Obey whole packets at once."""

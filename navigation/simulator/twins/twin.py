@@ -26,16 +26,14 @@ class Body(NamedTuple):
 
 
 class Twin(Protocol):
-    """A robot without its line and its floor."""
+    """A robot without its line and its floor; a twin inherits what it has no part for."""
 
     body: Body
     has_frames: bool
     """True if its line carries Clearway's frames, which faults may double, swap and cut."""
 
-    @property
-    def baud(self) -> float:
-        """Baud rate of its line; infinity if it paces its bytes itself."""
-        ...
+    baud: float
+    """Baud rate of its line; infinity if it paces its bytes itself."""
 
     def boot(self, now_s: float) -> None:
         """Switch on, or reset its processor."""
@@ -45,17 +43,18 @@ class Twin(Protocol):
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
         """Let ``STEP_S`` pass with these encoder counts; return the motors' orders."""
-        ...
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """Return the bytes for the line now; called whenever the line is free."""
-        ...
 
     def bump(self, pressed: bool) -> None:
         """Touch or release its bumper, or its emergency stop, if it has one."""
+        return
 
     def lift(self, lifted: bool) -> None:
         """Take the wheels off the floor, or put them back, for its sensor if it has one."""
+        return
 
     def close(self) -> None:
         """End its processes outside this one, even during a step."""
+        return

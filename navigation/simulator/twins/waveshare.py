@@ -24,7 +24,7 @@ import math
 from typing import Any, Final, NamedTuple
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.simulator.twins.twin import ON_FOR_S, Body
+from navigation.simulator.twins.twin import ON_FOR_S, Body, Twin
 
 WHEEL_M: Final = 0.0523
 PULSES_A_TURN: Final = 1_092
@@ -68,7 +68,7 @@ LONGEST: Final = 512
 BATTERY_V: Final = 11.9
 
 
-class WaveshareTwin:
+class WaveshareTwin(Twin):
     """UART, loop and wheels of a UGV01."""
 
     body = Body(TRACK_M, 1 / PULSE_M, FASTEST_M_S)
@@ -96,15 +96,6 @@ class WaveshareTwin:
         self._loop_s = self._reported_s = now_s
         self._pulses: tuple[int, int] | None = None
         self._measured = (0.0, 0.0)
-
-    def bump(self, pressed: bool) -> None:
-        """Do nothing: it has no bumper."""
-
-    def lift(self, lifted: bool) -> None:
-        """Do nothing: it has no sensor."""
-
-    def close(self) -> None:
-        """Nothing to end."""
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take lines."""

@@ -146,7 +146,9 @@ class HostileLine(RuleBasedStateMachine):
         table = self.table
         self.rate, table.cable, table.lease = 0.0, True, True
         table.run(2.0)
-        if table.host.estopped or table.host.estop_pending:
+        status = table.host.status
+        estopped = status is not None and status.state is RobotState.ESTOP
+        if estopped or table.host.estop_pending:
             table.run(0.5)
             table.host.reset_estop(table.now_s)
             table.run(1.0)

@@ -9,8 +9,8 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 
 from navigation.dashboard import Dashboard
-from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.settings.desk import Desk
+from tests.support.runs.packed import unpack
 from tests.support.runs.shown import FakeDaemon
 from tests.support.waiting import wait_until
 

@@ -9,7 +9,6 @@ import planner
 from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.geometry import world_message
 from navigation.dashboard.messages.heat import BLOCKED, CELLS, TIGHT, heat_message
-from navigation.dashboard.messages.packed import unpack
 from navigation.draw.shapes import RAMP_STEPS
 from planner.formats.scene_io import load_scene
 from planner.formats.scene_json import scene_to_json
@@ -19,6 +18,7 @@ from planner.zones.zone import Zone
 from planner.zones.zoned_roadmap import with_zones
 from tests.navigation.dashboard.site import Site
 from tests.support.oracles.brute_clearance import borders, distances, inside, outline
+from tests.support.runs.packed import unpack
 from tests.support.runs.shown import RADIUS_M, ROOT, SCALE_M, SIZE_PX, frame, laboratory, pose
 from tests.support.waiting import wait_until
 from vision.calibration.calibration import Calibration

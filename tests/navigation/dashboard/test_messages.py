@@ -16,8 +16,8 @@ from firmware_protocol.host.state import LinkState
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.messages.geometry import plan_message, world_message
-from navigation.dashboard.messages.packed import pack, unpack
-from navigation.dashboard.messages.palette import DAY, NIGHT, contrast, stylesheet
+from navigation.dashboard.messages.packed import pack
+from navigation.dashboard.messages.palette import DAY, NIGHT, stylesheet
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.messages.state_message import preview_facts, state_message
@@ -33,7 +33,9 @@ from planner.scene import Bounds
 from planner.zones.areas import CircleArea
 from planner.zones.zone import Zone
 from planner.zones.zoned_roadmap import with_zones
+from tests.navigation.dashboard.contrast import contrast
 from tests.planner.zones.plain_geometry import dense, distances
+from tests.support.runs.packed import unpack
 from tests.support.runs.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
 from vision.calibration.calibration import Calibration
 from vision.markers.markers import RobotPose

@@ -9,7 +9,6 @@ import pytest
 
 from navigation.config.dashboard import DashboardSection
 from navigation.config.zones import ZoneSection
-from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.messages.zones import zones_message
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replayed_run import ReplayedRun
@@ -17,6 +16,7 @@ from navigation.recording.events import ZonesChanged
 from navigation.recording.tape import read_tape
 from planner.scene import FloatArray
 from tests.navigation.dashboard.site import TOKEN, VIEWER, Page, Site
+from tests.support.runs.packed import unpack
 from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
 
 DESK: dict[str, Any] = {

@@ -7,7 +7,6 @@ import pytest
 
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from firmware_protocol.wire.mission import Mission
-from navigation.link.parts_of_missions import give_mission, release_mission
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.virtual_loop import VirtualLoop
 
@@ -33,7 +32,7 @@ def _loop(faults: str, seed: int) -> VirtualLoop:
 @pytest.mark.parametrize("released", [1, 4, 7, 20, 29])
 def test_a_robot_waits_at_the_last_waypoint_that_it_was_given(released: int) -> None:
     loop = _loop("", 3)
-    give_mission(loop.host, Mission(MISSION, _waypoints()), loop.now_s, True, released)
+    loop.host.upload(Mission(MISSION, _waypoints()), loop.now_s, True, released)
     loop.run(12.0)
     assert loop.host.status is not None
     assert (loop.host.status.accept_next, loop.host.status.exec_next) == (released, released)
@@ -44,13 +43,13 @@ def test_a_robot_waits_at_the_last_waypoint_that_it_was_given(released: int) -> 
 @pytest.mark.parametrize("faults", ["", "drop=0.001,flip=0.0005"])
 def test_whatever_is_released_and_when_the_whole_mission_is_driven(faults: str, seed: int) -> None:
     loop = _loop(faults, seed)
-    give_mission(loop.host, Mission(MISSION, _waypoints()), loop.now_s, True, 0)
+    loop.host.upload(Mission(MISSION, _waypoints()), loop.now_s, True, 0)
     for wait_s, count in ((1.0, 3), (0.2, 4), (2.0, 5), (0.1, 17), (0.5, 18), (3.0, 30)):
         loop.run(wait_s)
         assert loop.host.status is not None
-        release_mission(loop.host, MISSION, count)
-        release_mission(loop.host, MISSION, count - 2)  # what was released stays released
-        release_mission(loop.host, MISSION + 1, 30)  # another's
+        loop.host.release(MISSION, count)
+        loop.host.release(MISSION, count - 2)  # what was released stays released
+        loop.host.release(MISSION + 1, 30)  # another's
     upload = loop.host.upload_state
     assert upload is not None
     assert loop.run(20.0, lambda: upload.done)
@@ -58,8 +57,8 @@ def test_whatever_is_released_and_when_the_whole_mission_is_driven(faults: str, 
 
 def test_a_release_ahead_of_the_robot_costs_it_no_stop() -> None:
     whole, parts = _loop("", 1), _loop("", 1)
-    give_mission(whole.host, Mission(MISSION, _waypoints()), whole.now_s, True, None)
-    give_mission(parts.host, Mission(MISSION, _waypoints()), parts.now_s, True, 8)
+    whole.host.upload(Mission(MISSION, _waypoints()), whole.now_s, True, None)
+    parts.host.upload(Mission(MISSION, _waypoints()), parts.now_s, True, 8)
     took_s = []
     for loop in (whole, parts):
         upload = loop.host.upload_state
@@ -67,7 +66,7 @@ def test_a_release_ahead_of_the_robot_costs_it_no_stop() -> None:
         began_s = loop.now_s
         for _ in range(400):
             loop.run(0.05)
-            release_mission(loop.host, MISSION, upload.executed + 8)
+            loop.host.release(MISSION, upload.executed + 8)
             if upload.done:
                 break
         took_s.append(loop.now_s - began_s)
@@ -77,7 +76,7 @@ def test_a_release_ahead_of_the_robot_costs_it_no_stop() -> None:
 def test_an_empty_release_never_starts_the_robot() -> None:
     loop = _loop("", 2)
     before = loop.drive.pose
-    give_mission(loop.host, Mission(MISSION, _waypoints()), loop.now_s, True, 0)
+    loop.host.upload(Mission(MISSION, _waypoints()), loop.now_s, True, 0)
     loop.run(3.0)
     gone = [math.dist(a[1:3], b[1:3]) for a, b in pairwise(loop.track)]
     assert loop.drive.pose == before

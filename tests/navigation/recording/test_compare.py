@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from navigation.recording.border_points import border_polylines
+from navigation.draw.outlines import object_lines
 from navigation.recording.compare import path_distance_m, scene_distance_m
 from planner.scene import Bounds, CircleRecord, PointRecord, PolygonRecord, Scene, SceneObject
 from planner.scene import Segment as Line
@@ -51,7 +51,8 @@ def test_paths_of_other_vertices_and_the_same_course_are_equal() -> None:
 
 
 def test_borders_as_lines_keep_to_their_arcs() -> None:
-    ((_, ring),) = border_polylines(scene(CircleRecord((1.0, 1.0), 0.3)))
+    (thing,) = scene(CircleRecord((1.0, 1.0), 0.3)).objects
+    (ring,) = object_lines(thing, y_down=False)
     np.testing.assert_allclose(np.hypot(*(ring - 1.0).T), 0.3, atol=1e-12)
     middles = (ring[:-1] + ring[1:]) / 2.0
     assert np.hypot(*(middles - 1.0).T).min() > 0.3 - 2e-3

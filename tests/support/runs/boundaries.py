@@ -25,11 +25,11 @@ import pytest
 from navigation.config import Config
 from navigation.config.several.each_robot import robots_of
 from navigation.dashboard.hub import Hub
-from navigation.dashboard.messages.packed import unpack
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
 from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.packed import unpack
 from tests.support.runs.virtual import short_config
 from tests.support.runs.whole_run import run_whole
 

@@ -12,11 +12,11 @@ from navigation.config import load_config
 from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.geometry import plans_message
-from navigation.dashboard.messages.packed import unpack
 from navigation.dashboard.orders import give
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import MissionError, State, Station
 from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.packed import unpack
 from tests.support.runs.shown import laboratory
 
 ALCOVE = load_config(Path(__file__).parents[4] / "configs" / "alcove.yaml", {})

@@ -6,10 +6,11 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from navigation.dashboard.messages.palette import ROBOTS, contrast, stylesheet
+from navigation.dashboard.messages.palette import ROBOTS, stylesheet
 from navigation.draw.shapes import FLOOR
 from navigation.draw.zones import COLOURS as ZONES
 from planner.zones.zone import ZoneKind
+from tests.navigation.dashboard.contrast import contrast
 
 TOLD_APART = 28.0
 """CIE 1976; a just noticeable difference is 2.3."""
