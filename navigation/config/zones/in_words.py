@@ -44,4 +44,6 @@ def as_yaml(written: Sequence[Mapping[str, Any]]) -> str:
     """The list `zones` of a configuration, of zones as written."""
     if not written:
         return "zones: []\n"
-    return yaml.safe_dump({"zones": list(written)}, sort_keys=False, default_flow_style=None, width=100)
+    return yaml.safe_dump(
+        {"zones": list(written)}, sort_keys=False, default_flow_style=None, width=100
+    )

@@ -99,7 +99,7 @@ class Desk:
             raise RefusedError(f"not saved: {error}") from None
 
     def undo(self) -> str:
-        """Restore the text before the last save and reload; ``RefusedError`` if that is impossible."""
+        """Restore the text before the last save and reload; ``RefusedError`` if it cannot."""
         with self._lock:
             self._put_back()
         self._around.reload()
