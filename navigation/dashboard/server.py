@@ -19,13 +19,13 @@ import uvicorn
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from navigation.config.secrecy.secrets import hide
+from navigation.dashboard.admission.connections import OpenConnections
 from navigation.dashboard.admission.listener import (
     ACCEPTS_A_ROUND,
     MOST_MESSAGE_BYTES,
     App,
     Listener,
 )
-from navigation.dashboard.admission.places import OpenConnections
 from navigation.dashboard.app import make_app
 from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.hub import Hub
@@ -80,9 +80,9 @@ class Dashboard:
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     @property
-    def places(self) -> OpenConnections | None:
+    def connections(self) -> OpenConnections | None:
         """The connections; None if it does not listen."""
-        return self._socket.places if self._socket else None
+        return self._socket.connections if self._socket else None
 
     def __enter__(self) -> Dashboard:
         section = self._section
@@ -139,7 +139,7 @@ class Dashboard:
         server = server_on(listener, app)
         if self._closing.is_set():  # the run ended before its page was ready
             return
-        self._loop.set_exception_handler(partial(_on_error, hub, listener.places))
+        self._loop.set_exception_handler(partial(_on_error, hub, listener.connections))
         serving = asyncio.ensure_future(server.serve(sockets=[listener]))
         sweeping = asyncio.ensure_future(listener.look_after(server))
         await hub.run()

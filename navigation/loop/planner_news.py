@@ -78,7 +78,7 @@ class PlannerNews:
         self.roadmap_s = now_s - self._scene_s
         roadmap = self._planner.roadmap
         if self._recorder is not None and roadmap is not None:
-            self._recorder.put(RoadmapBuilt(now_s, check.revision, roadmap))
+            self._recorder.put(RoadmapBuilt(now_s, check.revision, roadmap, check.zones))
         with self._lock:
             self._checks.append(check)
         self._wake()

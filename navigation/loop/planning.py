@@ -50,6 +50,8 @@ class SceneCheck:
     path_clearance_m: float | None
     zones_changed: bool = False
     """True if the zones differ from the last ones."""
+    zones: tuple[Zone, ...] = ()
+    """Zones in force, of all robots."""
 
 
 class ArenaPlanner:
@@ -318,7 +320,7 @@ class PlannerThread(Generic[_Q, _A]):
             points = scene[2]
             clearance = None if points is None else self.planner.path_clearance_m(points)
             changed, self._zones = scene[3] != self._zones, scene[3]
-            self._on_scene(SceneCheck(scene[1], clearance, changed))
+            self._on_scene(SceneCheck(scene[1], clearance, changed, tuple(scene[3])))
         if request is not None:
             self._on_answer(self.planner.answer(request))
         return True

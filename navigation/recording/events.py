@@ -52,11 +52,12 @@ class SceneSeen:
 
 @dataclass(frozen=True, slots=True)
 class RoadmapBuilt:
-    """The roadmap of a scene."""
+    """The roadmap of a scene, without zones, and the zones in force."""
 
     time_s: float
     revision: int
     roadmap: Roadmap
+    zones: tuple[Zone, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,6 +49,8 @@ from navigation.recording.standing import CurrentEvents
 from navigation.recording.zone_bodies import zones_body
 from planner.path import NoPath
 from planner.scene import FloatArray
+from planner.zones.zone import zones_for
+from planner.zones.zoned_roadmap import with_zones
 
 BYTES_PER_MB: Final = 1_000_000
 LEAST_FREE_MB: Final = 100.0
@@ -150,7 +152,8 @@ class RecordingFiles:
                 self._write_json(bodies.SCENES, bodies.scene_body(event), time_ns)
                 self._scenes.log(messages.scene_message(event.scene, time_ns), log_time=time_ns)
             case RoadmapBuilt():
-                update = messages.roadmap_message(event.roadmap, time_ns)
+                zoned = with_zones(event.roadmap, zones_for(event.zones, ""))
+                update = messages.roadmap_message(zoned.closed, time_ns)
                 self._roadmaps.log(update, log_time=time_ns)
             case ZonesChanged(zones=zones):
                 self._write_json(bodies.ZONES, zones_body(event), time_ns)

@@ -318,7 +318,7 @@ class VirtualPlanner(Generic[_Q, _A]):
             if path_points is not None:
                 clearance = self.planner.path_clearance_m(path_points)
             changed, self._zones = zones != self._zones, zones
-            self._on_scene(SceneCheck(revision, clearance, changed))
+            self._on_scene(SceneCheck(revision, clearance, changed, tuple(zones)))
 
         self._world.after(self._world.times.scene_s, lambda: self._try(built))
 

@@ -67,9 +67,8 @@ def assign_tasks(
     durations_s = np.full((len(begin), len(end)), np.inf)
     grounds, ruled = Grounds(roadmap), check_zones(zones, len(begin))
     for i, (size, speed) in enumerate(zip(sizes, speeds, strict=True)):
-        alone = grounds.zoned(size, speed, ruled[i])
         for j, task in enumerate(end):
-            path = alone.plan(tuple(begin[i]), tuple(task))
+            path = grounds.path(begin[i], task, size, speed, ruled[i])
             if not isinstance(path, NoPath):
                 durations_s[i, j] = path.length / speed
     chosen = (match_for_sum if objective == "sum" else match_for_last)(durations_s).tolist()

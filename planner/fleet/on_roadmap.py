@@ -18,7 +18,7 @@ from planner.fleet.on_graph import check_effort
 from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, search, touching
 from planner.fleet.search.team import TeamRobot, edges_of, make_graph, make_robot
 from planner.motion.trajectory import default_limits
-from planner.path import Limits, NoPath
+from planner.path import Limits, NoPath, Path
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import FloatArray
 from planner.shared.arguments import as_float, as_list, as_numbers, brief, of_kind
@@ -77,9 +77,7 @@ def plan_fleet(
     for i, size in enumerate(sizes):
         if effort.expired():
             return effort.out_of_time(range(i, len(sizes)))
-        stays = bool((begin[i] == end[i]).all())  # zones forbid new stops, not those there are
-        ground = grounds.walls(size) if stays else grounds.zoned(size, speeds[i], ruled[i])
-        path = ground.plan(tuple(begin[i]), tuple(end[i]))
+        path = grounds.path(begin[i], end[i], size, speeds[i], ruled[i])
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {i}: no path even alone: {path.reason}", (i,))
         # the path's own ends may be rounded: use the exact places
@@ -129,6 +127,14 @@ class Grounds:
         if key not in self._zoned:
             self._zoned[key] = ZonedRoadmap(self.walls(radius), zones, speed)
         return self._zoned[key]
+
+    def path(
+        self, begin: FloatArray, end: FloatArray, radius: float, speed: float, zones: Sequence[Zone]
+    ) -> Path | NoPath:
+        """Plan one robot's path; where it is already it stays: zones forbid new stops only."""
+        stays = bool((begin == end).all())
+        ground = self.walls(radius) if stays else self.zoned(radius, speed, tuple(zones))
+        return ground.plan(tuple(begin), tuple(end))
 
     def closed(self, radius: float, zones: Sequence[tuple[Zone, ...]]) -> list[Roadmap]:
         """Return the different roadmaps on which each robot's keep-out zones are obstacles."""

@@ -4,7 +4,7 @@
   radius, by their centres, or in ``MOST_MAP_CELLS`` larger ones.
 - A cell is within reach if a robot can drive from it to the graph, through free cells, by a path of
   at most ``reach``. Paths lead from cell to cell in eight directions: they are up to 8 % longer
-  than the shortest. Unsafe edges serve nobody.
+  than the shortest. Unsafe edges and nodes serve nobody.
 - SWAGGER's measures (nvidia-isaac) are those of its documentation, for the same cells: the share of
   the free space whose connected region has a node; the mean and the largest straight distance from
   these regions' cells to the nearest node; the share per node; and the share of pairs of nodes
@@ -89,11 +89,14 @@ def measure_coverage(audit: GraphAudit, scene: Scene, reach: float | None = None
 
 
 def _served(audit: GraphAudit, cell: float) -> FloatArray:
-    """Points on the safe edges, no farther apart than half a cell, and the nodes."""
-    places = [np.array([(n.x, n.y) for n in audit.graph.nodes]).reshape(-1, 2)]
+    """Points on the safe edges, no farther apart than half a cell, and the safe nodes."""
     unsafe = {one.name for one in audit.of("unsafe") if one.subject == "edge"}
+    unsafe_places = {one.at for one in audit.of("unsafe") if one.subject == "node"}
+    nodes = [(n.x, n.y) for n in audit.graph.nodes if (n.x, n.y) not in unsafe_places]
+    places = [np.array(nodes).reshape(-1, 2)]
     for edge, line in zip(audit.edges, audit.lines, strict=True):
-        if edge.name in unsafe:
+        # an edge without length is judged as its node
+        if edge.name in unsafe or (line[0, 0], line[0, 1]) in unsafe_places:
             continue
         lengths = arc_lengths(line)
         steps = max(1, math.ceil(2.0 * float(lengths[-1]) / cell))

@@ -29,6 +29,7 @@ from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from navigation.cli.pictures.fleet_robots import FleetRobot
+    from planner.fleet.fleet_plan import NoFleetPlan
     from planner.roadmap.roadmap import Roadmap
     from planner.zones.zone import Zone
 
@@ -86,7 +87,7 @@ def command(
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
-    from planner.fleet.fleet_plan import FleetPlan
+    from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
     from planner.fleet.on_roadmap import plan_fleet
     from planner.zones.zone import zones_for
 
@@ -105,11 +106,16 @@ def command(
         roadmap = timed_roadmap(scene, min(radii), None, times_ms)
         begin("planning")
         try:
-            if assign is not None:
-                robots = _assigned(roadmap, robots, assign, zones)
-            starts, goals = [r.start for r in robots], [r.goal for r in robots]
-            own = [zones_for(zones, robot.name) for robot in robots]
-            plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s, zones=own)
+            found = robots if assign is None else _assigned(roadmap, robots, assign, zones)
+            if isinstance(found, NoFleetPlan):
+                plan: FleetPlan | NoFleetPlan = found
+            else:
+                robots = found
+                starts, goals = [r.start for r in robots], [r.goal for r in robots]
+                own = [zones_for(zones, robot.name) for robot in robots]
+                plan = plan_fleet(
+                    roadmap, starts, goals, radii, time_limit_s=time_limit_s, zones=own
+                )
         except ValueError as error:
             raise CommandError(f"{robots_file}: {error}") from error
         times_ms.end("fleet")
@@ -140,9 +146,13 @@ def _assigned(
     robots: list[FleetRobot],
     objective: Literal["sum", "last"],
     zones: tuple[Zone, ...],
-) -> list[FleetRobot]:
+) -> list[FleetRobot] | NoFleetPlan:
     """The robots with their goals exchanged; one that can reach none gets one of the rest."""
+    import numpy as np
+
     from planner.fleet.assignment import assign_tasks
+    from planner.fleet.fleet_plan import NoFleetPlan
+    from planner.shared.figures import placed
     from planner.zones.zone import zones_for
 
     starts, goals = [r.start for r in robots], [r.goal for r in robots]
@@ -150,8 +160,30 @@ def _assigned(
         roadmap, starts, goals, [r.radius for r in robots], objective=objective,
         zones=[zones_for(zones, robot.name) for robot in robots],
     )  # fmt: skip
+    reached = np.isfinite(found.durations_s)
+    for task in found.left_over:
+        if not reached[:, task].any():
+            why = _refusal(roadmap, robots[0], goals[task], zones)
+            return NoFleetPlan(f"no robot reaches the goal {placed(*goals[task])}; {why}")
+        if reached.any(axis=1).all():
+            needed = "each that reaches it is needed for another"
+            return NoFleetPlan(f"no robot is left for the goal {placed(*goals[task])}: {needed}")
     left = iter(found.left_over)
     return [
         replace(robot, goal=goals[next(left) if task is None else task])
         for robot, task in zip(robots, found.tasks, strict=True)
     ]
+
+
+def _refusal(
+    roadmap: Roadmap, robot: FleetRobot, goal: tuple[float, float], zones: tuple[Zone, ...]
+) -> str:
+    """Reason why this robot does not reach a goal, with its name."""
+    from planner.fleet.fleet_plan import NoFleetPlan
+    from planner.fleet.on_roadmap import plan_fleet
+    from planner.zones.zone import zones_for
+
+    own = zones_for(zones, robot.name)
+    alone = plan_fleet(roadmap, [robot.start], [goal], [robot.radius], zones=[own])
+    assert isinstance(alone, NoFleetPlan), "it has no path in the table of costs"
+    return f"{robot.name}: {alone.reason.removeprefix('robot 0: ')}"

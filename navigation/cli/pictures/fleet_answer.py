@@ -79,8 +79,10 @@ class FleetOutput:
         if isinstance(self.plan, FleetPlan):
             return ""
         head, colon, rest = self.plan.reason.partition(":")
+        if not head.startswith("robot"):
+            return self.plan.reason
         named = re.sub(r"\d+", lambda number: self.robots[int(number[0])].name, head)
-        return f"{named}{colon}{rest}" if head.startswith("robot") else self.plan.reason
+        return f"{named}{colon}{rest}"
 
     def as_text(self) -> str:
         """The result for people, then each robot's track."""

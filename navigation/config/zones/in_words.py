@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import yaml
 
 from navigation.config.zones.section import ZoneSection
-from planner.zones.zone import LANE_COST
+from planner.zones.zone import KIND_NAMES, LANE_COST
 
 
 def in_words(zone: ZoneSection) -> str:
@@ -20,7 +20,7 @@ def in_words(zone: ZoneSection) -> str:
         parts.append(f"cost {LANE_COST if zone.cost is None else zone.cost:g}")
     if zone.robots:
         parts.append(f"for {', '.join(zone.robots)}")
-    return f"{zone.zone()}: {', '.join(parts)}"
+    return f"{KIND_NAMES[zone.kind]} '{zone.name}': {', '.join(parts)}"
 
 
 def _area(zone: ZoneSection) -> str:
@@ -40,9 +40,10 @@ def as_written(zone: ZoneSection) -> dict[str, Any]:
     return zone.model_dump(mode="json", exclude_defaults=True)
 
 
-def as_yaml(zones: Iterable[ZoneSection]) -> str:
-    """The list `zones` of a configuration."""
-    written = [as_written(one) for one in zones]
+def as_yaml(written: Sequence[Mapping[str, Any]]) -> str:
+    """The list `zones` of a configuration, of zones as written."""
     if not written:
         return "zones: []\n"
-    return yaml.safe_dump({"zones": written}, sort_keys=False, default_flow_style=None, width=100)
+    return yaml.safe_dump(
+        {"zones": list(written)}, sort_keys=False, default_flow_style=None, width=100
+    )

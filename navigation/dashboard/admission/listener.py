@@ -21,7 +21,7 @@ from typing import Any, Final
 
 import uvicorn
 
-from navigation.dashboard.admission.places import OpenConnection, OpenConnections
+from navigation.dashboard.admission.connections import OpenConnection, OpenConnections
 from navigation.machine.descriptors import descriptor_limit
 
 Message = MutableMapping[str, Any]
@@ -42,12 +42,12 @@ BACKLOG: Final = 4096
 512 places a burst took 600 connections a second, with 4096 1,400."""
 ACCEPTS_A_ROUND: Final = 32
 """Most connections accepted in a row; then places of closed ones are freed first."""
-MOST_PLACES: Final = 256
-LEAST_PLACES: Final = 16
+MOST_CONNECTIONS: Final = 256
+LEAST_CONNECTIONS: Final = 16
 SHARE_OF_DESCRIPTORS: Final = 4
 """One in this number of the process's descriptors, at most, is for the page."""
 AN_ADDRESS: Final = 0.625
-"""Share of the places that one address may have."""
+"""Share of the connections that one address may have."""
 SWEEP_EVERY_S: Final = 0.25
 RESET_AT_CLOSE: Final = struct.pack("ii", 1, 0)
 
@@ -64,7 +64,7 @@ class Listener(socket.socket):
         )[0]
         super().__init__(family, kind, protocol)
         self.clock = clock
-        self.places = make_places()
+        self.connections = make_connections()
         self._connections: dict[tuple[str, int], Connection] = {}
         try:
             self.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -80,12 +80,12 @@ class Listener(socket.socket):
         accepted, address = super().accept()
         connection = Connection(accepted, address[:2], self)
         self._connections[connection.peer] = connection
-        self.places.come(connection.place)
+        self.connections.come(connection.place)
         return connection, address
 
     def forget(self, connection: Connection) -> None:
         """Free the place of a closed connection."""
-        self.places.go(connection.place)
+        self.connections.go(connection.place)
         if self._connections.get(connection.peer) is connection:
             del self._connections[connection.peer]
 
@@ -112,7 +112,7 @@ class Listener(socket.socket):
             await asyncio.sleep(0.01)  # uvicorn has no event for it
         self.listen(BACKLOG)  # the queue may be longer than one round takes from it
         while True:
-            self.places.sweep(self.clock())
+            self.connections.sweep(self.clock())
             await asyncio.sleep(SWEEP_EVERY_S)
 
     async def hang_up(self, within_s: float) -> None:
@@ -149,7 +149,7 @@ class Connection(socket.socket):
             data = super().recv(min(size, BYTES_A_ROUND), flags)
             self._count(len(data))
             if self._stray > MOST_MESSAGE_BYTES + FRAME_BYTES:
-                self._listener.places.cut += 1
+                self._listener.connections.cut += 1
                 raise ConnectionAbortedError("bytes that become no message")
             return data
         data = super().recv(size, flags)
@@ -187,7 +187,7 @@ class Connection(socket.socket):
                 self._is_over = True
             await send(message)
 
-        self._listener.places.look(self.place)
+        self._listener.connections.look(self.place)
         self._is_viewer = True
         try:
             await app(scope, hear, say)
@@ -216,7 +216,7 @@ class Connection(socket.socket):
         self._stray = max(0.0, self._stray - allowed + size)
 
 
-def make_places() -> OpenConnections:
-    """Places: as many as this process can have beside everything else."""
-    most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
+def make_connections() -> OpenConnections:
+    """Room for as many as this process can have beside everything else."""
+    most = min(MOST_CONNECTIONS, max(LEAST_CONNECTIONS, descriptor_limit() // SHARE_OF_DESCRIPTORS))
     return OpenConnections(most, round(most * AN_ADDRESS))

@@ -3,7 +3,8 @@
 Rules
 - It saves nothing that `clearway check` would refuse, and never over a file that has changed since
   the visitor read it.
-- Before each save the present text is kept; `undo` puts the newest kept one back.
+- Before each save the present text is kept; `undo` puts the newest kept one back, but never over a
+  file that was changed in between: an owner's change to a file's name or to `safety` is the last.
 - A save takes effect like a reload: the run ends in order and begins again.
 """
 
@@ -27,6 +28,8 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 MOST_KEPT: Final = 20
 MOST_CHANGES: Final = 500
+_DIGITS: Final = 16
+"""Of a digest in a kept text's name."""
 
 
 class Around(NamedTuple):
@@ -61,7 +64,7 @@ class Desk:
             "file": self._file.name,
             "base": _digest(text),
             "sections": form(text, self._keys(text)),
-            "earlier": len(self._earlier()),
+            "earlier": self._undoable(text),
         }
 
     def check(self, typed: Mapping[str, str]) -> list[dict[str, str]]:
@@ -85,7 +88,7 @@ class Desk:
             if changed == text:
                 raise RefusedError("nothing has changed")
             try:
-                self._keep(text)
+                self._keep(text, changed)
                 write_whole(self._file, changed)
             except (OSError, UnwrittenFileError) as error:
                 raise RefusedError(f"not saved: {error}") from None
@@ -93,11 +96,15 @@ class Desk:
         return f"saved {', '.join(sorted(typed))} in {self._file.name}"
 
     def undo(self) -> str:
-        """Restore the newest earlier text and reload; ``RefusedError`` without one."""
+        """Restore the text before the last save and reload; ``RefusedError`` if it cannot."""
         with self._lock:
             earlier = self._earlier()
             if not earlier:
                 raise RefusedError("there is no earlier text to go back to")
+            if not self._replaced(earlier[-1], read_source(self._file)):
+                raise RefusedError(
+                    f"{self._file.name} was changed by someone else since: change it in the file"
+                )
             try:
                 text = earlier[-1].read_text(encoding="utf-8")
                 parse_config(text, self._file.name, self._file.parent, self._around.environment)
@@ -147,14 +154,26 @@ class Desk:
             for where, what in found
         ]
 
+    def _undoable(self, text: str) -> int:
+        """Number of earlier texts; 0 if the newest is not that of this text."""
+        earlier = self._earlier()
+        return len(earlier) if earlier and self._replaced(earlier[-1], text) else 0
+
     def _earlier(self) -> list[Path]:
         return sorted(self._kept.glob("*.yaml"))
 
-    def _keep(self, text: str) -> None:
+    @staticmethod
+    def _replaced(kept: Path, text: str) -> bool:
+        """True if the save that kept this file wrote ``text`` in its place."""
+        return kept.stem.partition("-")[2] == _digest(text)[:_DIGITS]
+
+    def _keep(self, text: str, replacement: str) -> None:
+        """Keep a text in a file that is named after its number and its replacement's digest."""
         self._kept.mkdir(mode=0o700, parents=True, exist_ok=True)
         earlier = self._earlier()
-        number = int(earlier[-1].stem) + 1 if earlier else 1
-        write_whole(self._kept / f"{number:06d}.yaml", text, private=True)
+        number = int(earlier[-1].stem.partition("-")[0]) + 1 if earlier else 1
+        name = f"{number:06d}-{_digest(replacement)[:_DIGITS]}.yaml"
+        write_whole(self._kept / name, text, private=True)
         for old in self._earlier()[:-MOST_KEPT]:
             old.unlink(missing_ok=True)
 

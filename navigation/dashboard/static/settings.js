@@ -133,7 +133,7 @@ export class Settings {
     else if (this.#problems.size) why = "something is wrong: see the fields in red";
     else if (count === 0) why = "nothing has changed";
     allow(byId("settings-save"), why);
-    allow(byId("settings-undo"), this.#form?.earlier ? "" : "there is no earlier text to go back to");
+    allow(byId("settings-undo"), this.#form?.earlier ? "" : "there is no earlier text of the page to go back to");
   }
 
   async #save() {

@@ -97,9 +97,8 @@ class VisionStage:
         return glimpse.picture or frame, glimpse
 
     def newest(self, camera: str | None) -> Frame | None:
-        """Newest picture of the only or the named camera."""
-        newest = tuple(self._newest.values()) if camera is None else (self._newest.get(camera),)
-        return newest[0] if newest else None
+        """Newest picture of the only camera, or of the named one of several; None without any."""
+        return self._newest.get(camera or "")
 
     def _watched_places(self) -> tuple[CameraPlace, ...]:
         config, plan, began_s = self._config, self._floor_plan, self._clock()

@@ -236,6 +236,27 @@ def test_the_list_marks_what_differs_from_the_configuration(
     assert len(json.loads(capsys.readouterr().out)["zones"]) == 5
 
 
+def test_the_list_needs_no_mask_s_file(
+    socket: Path, daemon: Daemon, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The daemon may read files that the command cannot."""
+    write_mask(tmp_path)
+    daemon.people.masks_in = tmp_path
+    mask = tmp_path / "mask.yaml"
+    old = {"name": "old", "kind": "keep_out", "mask": str(mask)}
+    send_order(socket, {"order": "zone_put", "zone": old})
+    send_order(socket, {"order": "zone_put", "zone": DESK})
+    mask.unlink()
+    at = ["--socket", str(socket)]
+    said = f"keep-out zone 'old': mask {mask} (added while running)"
+    assert run(["zone", "list", *at]) == 0
+    assert said in capsys.readouterr().out.splitlines()
+    assert run(["zone", "list", "--format", "yaml", *at]) == 0
+    assert old in yaml.safe_load(capsys.readouterr().out)["zones"]
+    assert run(["zone", "undo", *at]) == 0
+    assert said in capsys.readouterr().out.splitlines()
+
+
 def test_a_file_of_zones_is_added_with_its_masks(
     socket: Path, daemon: Daemon, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

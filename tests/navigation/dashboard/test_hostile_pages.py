@@ -22,7 +22,7 @@ from navigation.dashboard import Dashboard, server
 from navigation.dashboard.admission import listener
 from navigation.dashboard.admission.access import AccessGate, Refusal, Role
 from navigation.dashboard.admission.allowance import Allowance
-from navigation.dashboard.admission.places import OpenConnections
+from navigation.dashboard.admission.connections import OpenConnections
 from navigation.dashboard.hub import MOST_VIEWERS
 from tests.navigation.dashboard.site import KEY, Page, Site
 from tests.support.processes.floods import flood
@@ -145,7 +145,7 @@ def stop_over_http(site: OwnSite) -> float:
 
 @pytest.mark.timed  # says how long a stop takes
 def test_stop_passes_eleven_hundred_connections_that_send_no_request(site: OwnSite) -> None:
-    places = site.dashboard.places
+    places = site.dashboard.connections
     assert places is not None
     with site.operator() as page:
         page.hear("hello")
@@ -176,7 +176,7 @@ def test_half_a_request_is_cut_after_its_time(
         client.sendall(
             half.replace(b"127.0.0.1\r\n", f"127.0.0.1\r\nAuthorization: {BEARER}\r\n".encode())
         )
-        places = site.dashboard.places
+        places = site.dashboard.connections
         assert places is not None
         assert wait_until(lambda: len(places) == 1)
         with contextlib.suppress(ConnectionResetError):
@@ -200,7 +200,7 @@ def test_an_idle_connection_serves_again_until_its_time(site: OwnSite) -> None:
 def test_the_places_are_a_part_of_the_descriptors(monkeypatch: pytest.MonkeyPatch) -> None:
     for limit, most in ((32, 16), (256, 64), (1024, 256), (100_000, 256)):
         monkeypatch.setattr(listener, "descriptor_limit", lambda limit=limit: limit)
-        assert listener.make_places().most == most
+        assert listener.make_connections().most == most
 
 
 def test_where_no_descriptor_is_left_the_oldest_connection_is_cut(site: OwnSite) -> None:

@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from navigation.dashboard.admission import listener as listener_module
+from navigation.dashboard.admission.connections import CLOSE_WITHIN_S
 from navigation.dashboard.admission.listener import (
     BYTES_A_ROUND,
     FRAME_BYTES,
@@ -25,7 +26,6 @@ from navigation.dashboard.admission.listener import (
     Connection,
     Listener,
 )
-from navigation.dashboard.admission.places import CLOSE_WITHIN_S
 from tests.navigation.dashboard.site import Site
 from tests.support.runs.shown import FakeDaemon, laboratory
 from tests.support.waiting import wait_until
@@ -152,7 +152,7 @@ def test_bytes_that_become_no_message_are_few_or_the_connection_is_cut(
     stray(accepted, client, round(2 * STRAY_BYTES_S) + FRAME_BYTES)
     with pytest.raises(ConnectionAbortedError):
         stray(accepted, client, 1)
-    assert listener.places.cut == 1
+    assert listener.connections.cut == 1
 
 
 def test_messages_may_be_any_number_and_a_pong_now_and_then_is_no_matter(
@@ -184,11 +184,11 @@ def test_a_viewer_stays_and_has_a_moment_after_its_end(
     scope = {"type": "websocket", "client": accepted.peer}
     asyncio.run(listener.watched(app)(scope, nothing, nothing))
     assert seen == [inf, False, True]
-    listener.places.sweep(clock.now_s)
-    listener.places.sweep(clock.now_s + CLOSE_WITHIN_S - 0.01)
-    assert listener.places.cut == 0
-    listener.places.sweep(clock.now_s + CLOSE_WITHIN_S + 0.01)
-    assert listener.places.cut == 1
+    listener.connections.sweep(clock.now_s)
+    listener.connections.sweep(clock.now_s + CLOSE_WITHIN_S - 0.01)
+    assert listener.connections.cut == 0
+    listener.connections.sweep(clock.now_s + CLOSE_WITHIN_S + 0.01)
+    assert listener.connections.cut == 1
     client.settimeout(5.0)
     with contextlib.suppress(ConnectionResetError):
         assert client.recv(1) == b""
@@ -200,7 +200,7 @@ def test_connections_far_beyond_the_places_cut_no_viewer(
     accepted, client = ends
     become_viewer(accepted, listener, [])
     accepted._is_over = False  # its application was only stopped for this test
-    places = listener.places
+    places = listener.connections
     places.most = places.most_an_address = 20
     with contextlib.ExitStack() as opened:
         for _ in range(2 * places.most):
@@ -214,10 +214,10 @@ def test_a_closed_connection_has_no_place(listener: Listener) -> None:
     listener.setblocking(True)
     with socket.create_connection(listener.getsockname(), 5.0):
         accepted, _ = listener.accept()
-        assert len(listener.places) == 1
+        assert len(listener.connections) == 1
         accepted.close()
         accepted.close()
-    assert len(listener.places) == 0
+    assert len(listener.connections) == 0
 
 
 def test_a_burst_of_connections_waits_in_the_queue_and_none_is_dropped(listener: Listener) -> None:
@@ -244,7 +244,7 @@ def site(monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
 
 @pytest.mark.parametrize("headers", [{}, {"X-Forwarded-For": "192.0.2.7"}])
 def test_a_viewer_is_kept_behind_a_proxy_too(headers: dict[str, str], site: Site) -> None:
-    places = site.dashboard.places
+    places = site.dashboard.connections
     assert places is not None
     with site.live(additional_headers=headers) as page:
         page.hear("hello")
@@ -259,7 +259,7 @@ def test_who_stops_behind_a_proxy_is_named_by_their_own_address(site: Site) -> N
 
 
 def test_pings_for_ever_end_a_viewer_and_its_place(site: Site) -> None:
-    places = site.dashboard.places
+    places = site.dashboard.connections
     assert places is not None
     with connect(f"ws://{site.address}/live", subprotocols=["clearway.1"]) as line:  # type: ignore[list-item]
         with contextlib.suppress(OSError):

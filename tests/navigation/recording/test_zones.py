@@ -8,19 +8,29 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from foxglove.messages import SceneUpdate
 from mcap.reader import make_reader
 
-from navigation.config import parse_config
+from navigation.config import Config, parse_config
+from navigation.config.zones import ZoneSection
+from navigation.loop.daemon import Daemon
+from navigation.loop.run_state import RunState
+from navigation.recording import files
 from navigation.recording.events import ZonesChanged
+from navigation.recording.foxglove import roadmap_message
 from navigation.recording.json_bodies import configuration_body
 from navigation.recording.reader import read_recording
 from navigation.recording.zone_bodies import zones_body, zones_of
 from navigation.run.replay import replay
+from navigation.run.virtual_run import run_virtually
+from planner.roadmap.roadmap import Roadmap
 from planner.zones.areas import CircleArea
 from planner.zones.zone import Zone
 from tests.navigation.config.test_zones import ALL_KINDS, write_mask
 from tests.navigation.config.texts import GOOD
+from tests.support.runs.boundaries import several_robots
 from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
+from tests.support.runs.virtual import short_config
 
 DESK = Zone("desk", "keep_out", CircleArea((1.0, 1.0), 0.1 + 0.2), ("ada",))
 
@@ -102,6 +112,44 @@ def test_a_further_file_begins_with_the_zones_in_force(tmp_path: Path) -> None:
         if recording.frames:
             first = min(recording.frames.values(), key=lambda seen: seen.captured_s)
             assert recording.zones_at(first.captured_s) == (DESK,)
+
+
+@pytest.mark.parametrize(
+    "config", [short_config([{"x_m": 2.2, "y_m": 1.6}]), several_robots()], ids=["one", "several"]
+)
+def test_the_recorded_roadmap_goes_around_keep_out_zones_in_force(
+    config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Roadmap] = []
+
+    def draw(roadmap: Roadmap, time_ns: int) -> SceneUpdate:
+        drawn.append(roadmap)
+        return roadmap_message(roadmap, time_ns)
+
+    def put_a_zone(daemon: Daemon, now: RunState) -> bool:
+        if daemon.roadmap is not None and not daemon.zones.revision:
+            for zone in (
+                desk,
+                {**desk, "name": "mine", "circle": (2.0, 1.5, 0.2), "robots": ["b"]},
+            ):
+                if "robots" not in zone or "b" in daemon.robots:
+                    daemon.zones.put(ZoneSection.model_validate(zone))
+        return now.time_s > 2.0
+
+    place = (1.2, 0.9)
+    desk = {"name": "desk", "kind": "keep_out", "circle": (*place, 0.2)}
+    monkeypatch.setattr(files.messages, "roadmap_message", draw)
+    run_virtually(config, look=put_a_zone, record=tmp_path)
+    near = [
+        min(
+            math.dist(point, place)
+            for *_, data in roadmap.graph.edges(data=True)
+            for point in data["polyline"]
+        )
+        for roadmap in drawn
+    ]
+    assert near[0] < 0.2 <= near[-1] - drawn[-1].radius + 1e-6
+    assert len(drawn[-1].scene.objects) == len(drawn[0].scene.objects) + 1, "b's own zone is none"
 
 
 def test_the_recorded_configuration_needs_no_mask_s_file(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ import pytest
 from planner import assign_tasks, build_roadmap
 from planner.motion.trajectory import default_limits
 from planner.scene import Bounds
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
 from tests.support.scenes.planner_scenes import box, scene_of
 
 WALL = scene_of(box(0.9, 0.0, 1.1, 1.6), bounds=Bounds(0, 0, 2, 2))
@@ -57,6 +59,17 @@ def test_a_task_behind_a_wall_is_left_over() -> None:
     assert found.tasks in ((0, None), (None, 0))
     assert found.left_over == (1,)
     assert np.isinf(found.durations_s[:, 1]).all()
+
+
+def test_a_robot_may_keep_its_place_where_a_zone_forbids_goals() -> None:
+    """As in a plan of the fleet."""
+    wait = Zone("desk", "wait", CircleArea((0.3, 0.3), 0.1))
+    found = assign_tasks(
+        build_roadmap(WALL, radius=0.1), [(0.5, 1.8), (0.3, 0.3)], [(0.3, 0.3)], zones=[[wait]] * 2
+    )
+    assert found.durations_s[1, 0] == 0.0
+    assert np.isinf(found.durations_s[0, 0])
+    assert found.tasks == (None, 0)
 
 
 def test_a_slow_robot_gets_the_near_task_for_the_last_arrival() -> None:

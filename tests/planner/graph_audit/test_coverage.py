@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import planner
@@ -50,6 +51,45 @@ def test_an_unsafe_edge_serves_nobody_but_safe_nodes_do():
     free = (9.3 + 19.3) * 9.5
     assert done.covered == pytest.approx(2 * math.pi / free, rel=0.15)
     assert done.region_share == 1.0
+
+
+def test_an_unsafe_node_serves_nobody():
+    """Against samples of an almost empty hall, in which robots drive straight to the graph."""
+    half, radius, reach = 0.05, 0.25, 2.0
+    corners = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
+    posts = [np.array(place) for place in ((5.0, 5.0), (22.0, 3.0))]
+    hall = Scene.from_polygons([(post + corners).tolist() for post in posts], bounds=(0, 0, 30, 10))
+    nodes = (
+        RouteNode(1, 10.0, 5.0),
+        RouteNode(2, 14.0, 5.0),
+        RouteNode("safe", 17.0, 8.0),
+        RouteNode("in a post", 5.0, 5.0),
+        RouteNode("near a post", 22.25, 3.0),
+        RouteNode("near the wall", 27.0, 9.9),
+    )
+    edges = (
+        RouteEdge(7, 1, 2),
+        RouteEdge(8, "near the wall", "safe"),
+        RouteEdge(9, "in a post", "in a post"),
+    )
+    graph = RouteGraph(nodes, edges, "nav2")
+
+    samples = np.random.default_rng(3).uniform((radius, radius), (29.75, 9.75), (100_000, 2))
+    for post in posts:
+        outside = np.maximum(np.abs(samples - post) - half, 0.0)
+        samples = samples[np.hypot(*outside.T) >= radius]
+    to_edge = samples - np.clip(samples, (10.0, 5.0), (14.0, 5.0))
+    far = np.minimum(np.hypot(*to_edge.T), np.hypot(*(samples - (17.0, 8.0)).T))
+    done = measured(graph, hall, radius, reach=reach)
+    assert done.covered == pytest.approx((far <= reach).mean(), abs=0.01)
+    assert done.farthest == pytest.approx(far.max(), rel=0.09)
+
+    unsafe = RouteGraph(nodes[3:], edges[2:], "nav2")
+    assert measured(unsafe, hall, radius, reach=reach).covered == 0.0
+    keepout = Scene.from_polygons([[(9, 4), (15, 4), (15, 6), (9, 6)]], bounds=(0, 0, 30, 10))
+    kept_out = measure_coverage(planner.audit(graph, hall, radius, keepout=keepout), hall, reach)
+    alone = RouteGraph(nodes[2:3], (), "nav2")
+    assert kept_out.covered == measured(alone, hall, radius, reach=reach).covered > 0.0
 
 
 def test_distances_to_nodes_and_connected_pairs_are_those_of_swagger():

@@ -180,6 +180,57 @@ def test_files_that_are_read_are_not_written_over(
     assert asked(capsys, arena, "--robots", robots, "--render", tmp_path / "f.gif")[0] == 2
 
 
+SPLIT = """\
+#@ clearway.scene/1
+#@ units m
+#@ bounds given -2 -1 2 1
+L 4 (-0.1,-1)(-0.1,1)(0.1,1)(0.1,-1)
+"""
+LEFT, RIGHT = "ada, -1.5, -0.5, -1.2, 0.8, 0.1", "eve, 1.5, 0.5, 1.5, -0.5, 0.08"
+
+
+@pytest.mark.parametrize(
+    ("arena_text", "bob", "reason", "blocking"),
+    [
+        (
+            ARENA,
+            "bob, -1.5, 0, 0.9, 0.1, 0.1",
+            "no robot reaches the goal (0.9, 0.1); ada: no path even alone: the goal (0.9, 0.1)"
+            " lies inside obstacle 1",
+            [],
+        ),
+        (
+            SPLIT,
+            "bob, -1.5, 0, 1.5, 0, 0.1",
+            "no robot is left for the goal (1.5, -0.5): each that reaches it is needed for another",
+            [],
+        ),
+        (
+            SPLIT,
+            "bob, 0, 0.5, 1.5, 0, 0.1",
+            "robot bob: no path even alone: the start (0, 0.5) lies inside obstacle 0",
+            ["bob"],
+        ),
+    ],
+)
+def test_a_goal_that_no_robot_reaches_is_named_and_blamed_on_none(
+    arena_text: str,
+    bob: str,
+    reason: str,
+    blocking: list[str],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    arena = tmp_path / "arena.scene"
+    arena.write_text(arena_text)
+    robots = robots_file(tmp_path, "\n".join((ROBOTS.splitlines()[0], LEFT, bob, RIGHT, "")))
+    code, out, err = asked(capsys, arena, "--robots", robots, "--assign", "sum", "--format", "json")
+    answer = json.loads(out or "{}")
+    assert (code, answer.get("reason"), answer.get("blocking")) == (3, reason, blocking), err
+    assert answer["proved"] is True
+    assert reason in err
+
+
 @pytest.mark.parametrize("objective", ["sum", "last"])
 def test_goals_go_to_the_robots_that_suit(
     objective: str, arena: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path

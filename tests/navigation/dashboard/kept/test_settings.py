@@ -162,6 +162,47 @@ def test_a_file_that_somebody_else_has_changed_is_not_written_over(office: Offic
     assert office.file.read_text().endswith("# mine\n")
 
 
+def test_an_undo_puts_no_earlier_text_over_what_somebody_else_has_changed(office: Office) -> None:
+    first = office.file.read_text()
+    office.desk.save({"camera.rate_hz": "25"}, office.base)
+    saved = office.file.read_text()
+    changed = saved.replace("simulation_calibration.yaml", "other_calibration.yaml") + (
+        "safety: {lease_s: 0.3}\nrecording: {runs_dir: elsewhere}\n"
+    )
+    office.file.write_text(changed)
+    assert office.desk.show()["earlier"] == 0
+    with pytest.raises(RefusedError, match="changed by someone else since"):
+        office.desk.undo()
+    assert office.file.read_text() == changed
+    assert office.reloads == 1
+    office.file.write_text(saved)
+    assert office.desk.show()["earlier"] == 1
+    office.desk.undo()
+    assert office.file.read_text() == first
+
+
+def test_a_text_kept_by_an_earlier_version_is_not_put_back_but_counted(office: Office) -> None:
+    before = office.file.read_text()
+    office.desk.save({"camera.rate_hz": "25"}, office.base)
+    (kept,) = office.state.rglob("*.yaml")
+    kept.rename(kept.with_name("000007.yaml"))
+    with pytest.raises(RefusedError, match="changed by someone else since"):
+        office.desk.undo()
+    second = office.file.read_text()
+    office.desk.save({"camera.rate_hz": "20"}, office.base)
+    office.desk.undo()
+    assert office.file.read_text() == second != before
+
+
+def test_no_key_that_takes_a_file_an_address_or_a_command_can_be_changed(office: Office) -> None:
+    """The words of each changeable text are few: `/etc/passwd` is refused in every one."""
+    changeable = {name for name, one in office.fields().items() if not one["only_shown"]}
+    assert len(changeable) > 50
+    for typed in ("/etc/passwd", "../../etc/passwd", "http://127.0.0.1:1/x", "[/etc/passwd]"):
+        problems = office.desk.check(dict.fromkeys(changeable, typed))
+        assert changeable <= {one["key"] for one in problems}, typed
+
+
 def test_earlier_texts_are_private_and_few(office: Office) -> None:
     for rate in range(MOST_KEPT + 5):
         office.desk.save({"camera.rate_hz": str(10 + rate)}, office.base)

@@ -108,6 +108,7 @@ def test_the_anchoring_of_one_is_renewed_and_the_others_stays(tmp_path: Path) ->
         frame = stage.daemon.newest("right")
         assert frame is not None
         assert frame.image.shape == (480, 640)
+        assert stage.daemon.newest(None) is None, "one of several has to be named"
         renew(of_camera(config, "right"), [frame.image], datetime(2026, 1, 2, 3, 4, 5))
     assert files["left"].read_text() == before["left"]
     right = each_camera(config)["right"]

@@ -4,7 +4,11 @@ from math import inf
 
 import pytest
 
-from navigation.dashboard.admission.places import CLOSE_WITHIN_S, OpenConnection, OpenConnections
+from navigation.dashboard.admission.connections import (
+    CLOSE_WITHIN_S,
+    OpenConnection,
+    OpenConnections,
+)
 
 HERE, THERE = "127.0.0.1", "192.0.2.7"
 
