@@ -54,7 +54,7 @@ def time() -> HeldTime:
 @pytest.fixture
 def bench(program: ShownProgram, time: HeldTime, tmp_path: Path) -> Iterator[Bench]:
     """What the page calibrates; a lens goes into the test's folder."""
-    config = small_config()
+    config = small_config(noise_grey=0.0)
     assert config.camera.calibration is not None
     calibration = load_calibration(config.camera.calibration)
     camera = config.camera.model_copy(update={"calibration": tmp_path / "arena.yaml"})

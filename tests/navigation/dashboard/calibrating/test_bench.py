@@ -51,7 +51,8 @@ def bench_of(
     calibration: Calibration = CALIBRATION,
 ) -> Bench:
     time = VirtualTime()
-    return Bench(run, config or small_config(), calibration, save, time.clock, time.wait)
+    found_soon = config or small_config(noise_grey=0.0)
+    return Bench(run, found_soon, calibration, save, time.clock, time.wait)
 
 
 def test_a_lens_is_found_while_the_robot_holds_and_saved_when_somebody_says_so() -> None:
