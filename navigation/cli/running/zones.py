@@ -223,8 +223,10 @@ def _words_of(zones: Iterable[ZoneSection]) -> list[str]:
 
 def _sections(answer: dict[str, Any]) -> list[ZoneSection]:
     from navigation.config.zone_file import zone_of
+    from planner.zones.areas import MaskArea
 
-    return [zone_of(one) for one in answer["zones"]]
+    cells = MaskArea(())  # the daemon knows them: its files may be gone, or not for this user
+    return [zone_of(one, cells) for one in answer["zones"]]
 
 
 def _listed(answer: dict[str, Any]) -> list[str]:

@@ -236,6 +236,18 @@ def test_the_list_marks_what_differs_from_the_configuration(
     assert len(json.loads(capsys.readouterr().out)["zones"]) == 5
 
 
+def test_the_list_has_a_mask_whose_file_is_gone(
+    socket: Path, daemon: Daemon, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mask = write_mask(tmp_path)
+    daemon.people.masks_in = tmp_path
+    assert put_mask(daemon, str(mask))["ok"]
+    mask.unlink()
+    for form in ("text", "yaml", "json"):
+        assert run(["zone", "list", "--socket", str(socket), "--format", form]) == 0
+        assert str(mask) in capsys.readouterr().out
+
+
 def test_a_file_of_zones_is_added_with_its_masks(
     socket: Path, daemon: Daemon, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
