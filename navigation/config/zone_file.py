@@ -17,11 +17,12 @@ from navigation.config.errors import ConfigError, Problem, key_name, mark_of, pr
 from navigation.config.load import read_source
 from navigation.config.marks import Document, read_document
 from navigation.config.values import Section
-from navigation.config.zones.section import MOST_ZONES, ZoneSection
+from navigation.config.zones.section import MASK, MOST_ZONES, ZoneSection
 from navigation.config.zones.zone_checks import zone_names_differ
 from navigation.shared.outside import in_short, printable
 from planner.formats.mask_files import mask_picture
 from planner.scene import SceneError
+from planner.zones.areas import MaskArea
 from planner.zones.zone import Zone
 
 MOST_SENTENCE = 300
@@ -36,10 +37,11 @@ class _ZoneList(Section):
     zones: tuple[ZoneSection, ...] = Field(max_length=MOST_ZONES, description="the zones")
 
 
-def zone_of(value: Any) -> ZoneSection:
+def zone_of(value: Any, mask_area: MaskArea | None = None) -> ZoneSection:
     """Zone of a mapping as in a configuration; `ZoneError` in one sentence.
 
-    A mask's path must be absolute: there is no folder that it could be relative to.
+    A mask's path must be absolute: there is no folder that it could be relative to. Its file is not
+    read where ``mask_area`` is given.
     """
     if not isinstance(value, Mapping):
         raise ZoneError(f"zone: must be an object of name, kind and an area, not {in_short(value)}")
@@ -47,7 +49,7 @@ def zone_of(value: Any) -> ZoneSection:
     if isinstance(mask, str) and not Path(mask).is_absolute():
         raise ZoneError(f"zone.mask = {in_short(mask)}: must be an absolute path")
     try:
-        return ZoneSection.model_validate(value)
+        return ZoneSection.model_validate(value, context={MASK: mask_area})
     except ValidationError as error:
         found = next(iter(problems_of(error.errors(include_url=False), Document(""), ZoneSection)))
         where = key_name(("zone", *found.where))

@@ -1,7 +1,9 @@
 """Zones of a running program: those configured, and the changes that people make.
 
 Any thread may change them; the control loop acts in its next cycle. A zone keeps its written form,
-for pages and files. A change that a file keeps is on the disk before it is answered.
+for pages and files. A change that a file keeps is on the disk before it is answered, or the answer
+says that it is not: a thread writes it, and is waited for ``ANSWER_S`` at most. A disk that hangs
+delays no other order.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from typing import Final
 
 from navigation.config.zones import MOST_ZONES, ZoneSection
 from navigation.config.zones.zone_checks import too_many_places
+from navigation.journal.kept_stops import ANSWER_S
 from navigation.journal.kept_zones import (
     KeptZones,
     KeptZonesError,
@@ -24,6 +27,7 @@ from planner.zones.zone import Zone
 
 MOST_UNDONE: Final = 50
 """Chosen: changes that can be taken back."""
+UNKNOWN: Final = "a restart would not know of this change"
 
 
 class ZonesInForce:
@@ -38,8 +42,11 @@ class ZonesInForce:
         self._lock = threading.Lock()
         self._sections = self._configured = tuple(zones)
         self._kept: KeptZones | None = None
-        self._disk = threading.Lock()
-        """Held while the file is written: the last change is the last written."""
+        self._disk = threading.Condition()
+        self._asked = self._done = 0
+        """Writes of the file."""
+        self._writes = False
+        """True while a thread writes."""
         self.trouble = ""
         self._before: list[tuple[ZoneSection, ...]] = []
         self.revision = 0
@@ -127,12 +134,32 @@ class ZonesInForce:
         if kept is None:
             return
         with self._disk:
+            self._asked += 1
+            asked = self._asked
+            if not self._writes:
+                self._writes = True
+                threading.Thread(
+                    target=self._write_newest, args=(kept,), name="zones", daemon=True
+                ).start()
+            if not self._disk.wait_for(lambda: self._done >= asked, ANSWER_S):
+                self.trouble = f"{UNKNOWN}: {kept.path}: not on the disk after {ANSWER_S:g} s"
+
+    def _write_newest(self, kept: KeptZones) -> None:
+        """Write the changes until none came meanwhile."""
+        while True:
+            with self._disk:
+                asked = self._asked
+            trouble = ""
             try:
                 kept.write(self.changes())
             except KeptZonesError as error:
-                self.trouble = f"a restart would not know of this change: {error}"
-            else:
-                self.trouble = ""
+                trouble = f"{UNKNOWN}: {error}"
+            with self._disk:
+                self.trouble, self._done = trouble, asked
+                self._writes = self._asked > asked
+                self._disk.notify_all()
+                if not self._writes:
+                    return
 
     def _set(self, sections: tuple[ZoneSection, ...]) -> None:
         self._before = [*self._before[1 - MOST_UNDONE :], self._sections]

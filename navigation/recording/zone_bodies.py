@@ -8,9 +8,8 @@ from __future__ import annotations
 from typing import Any, Final
 
 from navigation.recording.events import ZonesChanged
-from planner.formats.scene_text import read_scene_text, write_scene_text
-from planner.scene import Scene, derived_bounds, extent_points
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
+from planner.zones.masks import mask_of_text, mask_text
 from planner.zones.zone import Zone
 
 MOST_ZONES: Final = 1000
@@ -48,10 +47,8 @@ def area_body(area: Area) -> dict[str, Any]:
             return {"circle": [x, y, radius]}
         case BandArea(line, width):
             return {"line": [list(place) for place in line], "width_m": width}
-        case MaskArea(objects, source):
-            places = (place for one in objects for place in extent_points(one))
-            scene = Scene("m", derived_bounds(places), objects)
-            return {"mask": source, "scene": write_scene_text(scene)}
+        case MaskArea(_, source):
+            return {"mask": source, "scene": mask_text(area)}
 
 
 def _zone(plain: dict[str, Any]) -> Zone:
@@ -73,5 +70,4 @@ def _area_of(plain: dict[str, Any]) -> Area:
         return CircleArea((x, y), radius)
     if "line" in plain:
         return BandArea(plain["line"], plain["width_m"])
-    scene = read_scene_text(plain["scene"], "recorded mask")
-    return MaskArea(scene.objects, str(plain["mask"]))
+    return mask_of_text(plain["scene"], str(plain["mask"]))

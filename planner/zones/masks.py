@@ -1,4 +1,4 @@
-"""Zones from Nav2's filter masks, and masks of zones."""
+"""Zones from Nav2's filter masks, masks of zones, and masks as text, for files that keep them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import os
 from collections.abc import Sequence
 
 from planner.formats.mask_files import SpeedLevel, save_mask
-from planner.scene import Scene, SceneError
+from planner.formats.scene_text import read_scene_text, write_scene_text
+from planner.scene import Scene, SceneError, derived_bounds, extent_points
 from planner.zones.areas import MaskArea
 from planner.zones.zone import Zone
 from planner.zones.zoned_roadmap import with_objects
@@ -56,6 +57,17 @@ def save_speed_mask(
         for one in sorted(slow, key=lambda one: one.speed or 0.0)
     ]
     save_mask(levels, path, resolution, base=base, multiplier=multiplier)
+
+
+def mask_text(area: MaskArea) -> str:
+    """Write a mask as a scene text, without its source; it must have an object."""
+    places = (place for one in area.objects for place in extent_points(one))
+    return write_scene_text(Scene("m", derived_bounds(places), area.objects))
+
+
+def mask_of_text(text: str, source: str) -> MaskArea:
+    """Read an equal mask from a :func:`mask_text`; :class:`SceneError` for other text."""
+    return MaskArea(read_scene_text(text, "kept mask").objects, source)
 
 
 def _areas(zones: Sequence[Zone], scene: Scene, kind: str) -> Scene:

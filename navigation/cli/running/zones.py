@@ -216,10 +216,11 @@ def _words_of(zones: Iterable[ZoneSection]) -> list[str]:
 
 
 def _sections(answer: dict[str, Any]) -> list[ZoneSection]:
-    """The daemon's zones, which it has checked: a mask's file may not be ours to read."""
-    from navigation.config.zones import ZoneSection
+    from navigation.config.zone_file import zone_of
+    from planner.zones.areas import MaskArea
 
-    return [ZoneSection.model_construct(**one) for one in answer["zones"]]
+    cells = MaskArea(())  # the daemon knows them: its files may be gone, or not for this user
+    return [zone_of(one, cells) for one in answer["zones"]]
 
 
 def _listed(answer: dict[str, Any]) -> list[str]:

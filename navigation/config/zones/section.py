@@ -1,6 +1,7 @@
 """One entry of the list `zones`, which becomes the planner's zone.
 
-A mask is read once, where the entry is checked: the zone does not change with the file.
+A mask is read once, where the entry is checked: the zone does not change with the file. It is not
+read where the context of the check has its area, under `MASK`.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Final, Self
 
-from pydantic import AfterValidator, Field, PrivateAttr, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from navigation.config.values import Name, NeighbourFile, Number, Positive, Rate, Section
 from planner.formats.mask_files import load_mask
@@ -22,6 +23,8 @@ MOST_CORNERS: Final = 1000
 """Corners of a polygon: chosen."""
 MOST_LINE_PLACES: Final = 100
 """Places of a line: chosen, a plan across a winding one-way zone of 100 takes a second."""
+MASK: Final = "mask"
+"""Key of a check's context: the area of a mask."""
 
 Corner = tuple[Number, Number]
 
@@ -63,7 +66,7 @@ class ZoneSection(Section):
     _area: Area = PrivateAttr()
 
     @model_validator(mode="after")
-    def _fits_together(self) -> Self:
+    def _fits_together(self, info: ValidationInfo) -> Self:
         given = [key for key in ("polygon", "circle", "line", "mask") if getattr(self, key)]
         if len(given) != 1:
             told = " and ".join(given) if given else "no area"
@@ -71,7 +74,7 @@ class ZoneSection(Section):
         if (self.line is None) != (self.width_m is None):
             raise ValueError("line and width_m: must be given together")
         try:
-            self._area = self._read_area()
+            self._area = self._read_area((info.context or {}).get(MASK))
             self.zone()
         except SceneError as error:
             raise ValueError(str(error)) from None
@@ -85,7 +88,7 @@ class ZoneSection(Section):
         """True if it holds for the robot of this name."""
         return not self.robots or robot in self.robots
 
-    def _read_area(self) -> Area:
+    def _read_area(self, mask: MaskArea | None) -> Area:
         if self.polygon is not None:
             return PolygonArea(self.polygon)
         if self.circle is not None:
@@ -94,4 +97,4 @@ class ZoneSection(Section):
         if self.line is not None and self.width_m is not None:
             return BandArea(self.line, self.width_m)
         assert self.mask is not None
-        return MaskArea(load_mask(self.mask).objects, str(self.mask))
+        return mask or MaskArea(load_mask(self.mask).objects, str(self.mask))

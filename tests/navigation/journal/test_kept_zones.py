@@ -50,6 +50,15 @@ def test_the_changes_lead_from_the_configured_zones_to_those_in_force(
     assert len(said) == len(changes_between(configured, in_force))
 
 
+def test_more_than_is_read_back_is_not_written(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    KeptZones(path).write(CHANGES[:1])
+    monkeypatch.setattr("navigation.journal.kept_zones.MOST_BYTES", len(path.read_bytes()))
+    assert KeptZones(path).read() == CHANGES[:1]
+    with pytest.raises(KeptZonesError, match="must be at most"):
+        KeptZones(path).write(CHANGES)
+    assert KeptZones(path).read() == CHANGES[:1]
+
+
 def test_no_file_is_no_change_and_no_change_no_file(path: Path) -> None:
     kept = KeptZones(path)
     assert kept.read() == ()

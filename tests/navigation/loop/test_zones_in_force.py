@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from navigation.config.zones import MOST_ZONES
+from navigation.config.zones import MOST_ZONES, ZoneSection
 from navigation.journal.kept_zones import KeptZones, KeptZonesError
 from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.mission import MissionError
+from tests.navigation.config.test_zones import write_mask
 from tests.navigation.journal.kept import circle
 
 DESK, DOOR = circle("desk"), circle("door", "wait")
@@ -98,6 +99,42 @@ def test_a_configuration_that_was_changed_since_holds(tmp_path: Path) -> None:
     assert second.sections == (edited, circle("door", "wait", x_m=2.0))
     assert "desk" in said[0]
     assert "configuration" in said[0]
+
+
+def masked(folder: Path) -> ZoneSection:
+    """A keep-out zone of the mask beside."""
+    mask = {"name": "desk", "kind": "keep_out", "mask": folder / "mask.yaml"}
+    return ZoneSection.model_validate(mask)
+
+
+@pytest.mark.parametrize("becomes", ["other cells", "no picture", "nothing"])
+def test_a_mask_holds_in_the_next_run_as_it_was_drawn(tmp_path: Path, becomes: str) -> None:
+    write_mask(tmp_path)
+    first = ZonesInForce([], [""])
+    first.restore(KeptZones(tmp_path / "zones"))
+    first.put(masked(tmp_path))
+    write_mask(tmp_path, occupied=False)
+    if becomes != "other cells":
+        (tmp_path / "mask.pgm").unlink()
+    if becomes == "nothing":
+        (tmp_path / "mask.yaml").unlink()
+    second = ZonesInForce([], [""])
+    said = second.restore(KeptZones(tmp_path / "zones"))
+    assert said == ["zone 'desk', added while an earlier run was under way: holds again"]
+    assert second.zones() == first.zones()
+
+
+def test_a_configured_mask_whose_cells_have_changed_since_holds(tmp_path: Path) -> None:
+    write_mask(tmp_path)
+    first = ZonesInForce([masked(tmp_path)], [""])
+    first.restore(KeptZones(tmp_path / "zones"))
+    first.remove("desk")
+    write_mask(tmp_path, occupied=False)
+    edited = masked(tmp_path)
+    second = ZonesInForce([edited], [""])
+    (sentence,) = second.restore(KeptZones(tmp_path / "zones"))
+    assert sentence.endswith("the configuration has changed it since, and holds")
+    assert second.sections == (edited,)
 
 
 def test_a_zone_for_a_robot_that_is_gone_is_dropped_and_said(tmp_path: Path) -> None:
