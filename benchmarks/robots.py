@@ -155,7 +155,7 @@ def driving(name: str) -> Iterator[Bench]:
             settings = DriveSettings(track_m=known.track_m, max_speed_m_s=speed)
             driver = DriverProcess(name, robot.port, known.baud, settings)
             driver.start()
-            link = DriverLink(driver.port, driver.word, wait_for_port=True)
+            link = DriverLink(driver.port, driver.word)
 
         def control() -> None:
             while not over.wait(0.033):

@@ -135,24 +135,22 @@ def _legend(scene: Scene, screen: Screen, title: str, bottom: float) -> Iterator
     records = [r for obj in scene.objects for r in object_records(obj)]
     edges = [e for r in records if not isinstance(r, CircleRecord) for e in record_edges(r)]
     arcs = sum(isinstance(edge, Arc) for edge in edges)
-    circles = sum(isinstance(r, CircleRecord) for r in records)
-    points = sum(isinstance(r, PointRecord) for r in records)
+    found = Counter(type(r) for r in records)
     for words, colour, number in (
         ("segments", SEGMENT, len(edges) - arcs),
         ("arcs", ARC, arcs),
-        ("circles", CIRCLE, circles),
+        ("circles", CIRCLE, found[CircleRecord]),
     ):
         if number:
             bar = np.array([(left + 2.0, y), (left + 30.0, y)])
             yield Strokes((bar,), colour, 2.2)
             yield Label(left + 40.0, y + 4.5, f"{words} ({number})", 13.0)
             y += 24.0
-    if edges or points:
+    if edges or found[PointRecord]:
         yield DiscShape(left + 16.0, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
         yield Label(left + 40.0, y + 4.5, "corners, ends and points", 13.0)
         y += 24.0
     y += 8.0
-    found = Counter(type(r) for r in records)
     for kind, (letter, one, many) in LETTERS.items():
         if found[kind]:
             yield Label(left + 16.0, y + 4.5, letter, 13.0, INK, "middle", bold=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -98,16 +98,9 @@ class _Promised:
             (0, len(points) - 1), (None, None),
         )  # fmt: skip
         promise = Promise(
-            self.name,
-            self.station,
-            points,
-            (),
-            self.gates,
-            path,
-            None,
-            self.radius_m,
+            self.name, self.station, points, (), self.gates, path, None, self.radius_m,
             self.margin_m,
-        )
+        )  # fmt: skip
         return Driving(promise, self.executed, self.sent, self.limits)
 
 
@@ -176,12 +169,11 @@ def frame_body(seen: RobotsSeen) -> dict[str, Any]:
 
 def scene_body(seen: SceneSeen) -> dict[str, Any]:
     """A scene as text."""
-    text = write_scene_text(seen.scene)
     return {
         "captured_s": seen.time_s,
         "revision": seen.revision,
         "carried": seen.carried,
-        "scene": text,
+        "scene": write_scene_text(seen.scene),
     }
 
 
@@ -251,8 +243,5 @@ def _way(path: Path, trajectory: Trajectory | None, targets: Sequence[Target]) -
 
 
 def _promise(promise: Promise) -> dict[str, Any]:
-    gates = [
-        {"before": gate.before, "other": gate.other, "passed": gate.passed}
-        for gate in promise.gates
-    ]
-    return {**_way(promise.path, promise.trajectory, promise.targets), "gates": gates}
+    way = _way(promise.path, promise.trajectory, promise.targets)
+    return {**way, "gates": [asdict(gate) for gate in promise.gates]}

@@ -22,6 +22,7 @@ from navigation.config.secrecy.secrets import hide_in
 from navigation.config.values import MOST_ROBOTS
 from navigation.dashboard.admission.access import AccessGate, Refusal, bearer_of, refused
 from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, is_run
+from navigation.shared.outside import finite_number
 
 PIECE_BYTES: Final = 524_288
 MOST_A_PAGE: Final = 50
@@ -129,7 +130,7 @@ def _run_body(run: KeptRun) -> dict[str, Any]:
         "running": run.is_running,
         "state": _text(report.get("state")),
         "reason": _text(report.get("reason")),
-        "duration_s": _number(report.get("duration_s")),
+        "duration_s": finite_number(report.get("duration_s")),
         "robots": list(robots)[:MOST_ROBOTS] if isinstance(robots, dict) else [],
         "files": [_file_body(file) for file in run.files],
         "recordings": [_file_body(file) for file in run.recordings],
@@ -142,11 +143,6 @@ def _file_body(file: KeptFile) -> dict[str, Any]:
 
 def _text(value: object) -> str | None:
     return value[:400] if isinstance(value, str) else None
-
-
-def _number(value: object) -> float | None:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number and abs(value) < 1e12 else None  # type: ignore[arg-type]
 
 
 def _plain(status: int, sentence: str, **headers: str) -> Response:

@@ -98,9 +98,7 @@ class SavedPlaces:
             (found,) = read_stations([station])
         except ControlError as error:
             raise PlaceError(str(error)) from None
-        arena = self._arena
-        inside_x = arena.x_min <= found.x <= arena.x_max
-        if not (inside_x and arena.y_min <= found.y <= arena.y_max):
+        if not self._arena.contains((found.x, found.y)):
             raise PlaceError(f"({found.x:g}, {found.y:g}) m: outside the arena")
         return SavedPlace(name, found.x, found.y, found.heading_rad)
 

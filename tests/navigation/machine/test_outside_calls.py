@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -208,14 +209,14 @@ def test_who_asks_never_waits_and_what_is_too_much_is_left_out() -> None:
 def test_an_error_of_the_thread_is_said_and_the_next_call_is_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real, broken = outside_calls._begin, [True]
+    real, broken = subprocess.Popen, [True]
 
-    def begin(*arguments: Any) -> Any:
+    def begin(*arguments: Any, **settings: Any) -> Any:
         if broken.pop() if broken else False:
             raise OSError(24, "Too many open files")
-        return real(*arguments)
+        return real(*arguments, **settings)
 
-    monkeypatch.setattr(outside_calls, "_begin", begin)
+    monkeypatch.setattr(subprocess, "Popen", begin)
     file = tmp_path / "made"
     touch = OutsideCall(command=("/bin/sh", "-c", f": > {file}"))
     (said,) = news_of(touch, touch)
