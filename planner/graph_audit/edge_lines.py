@@ -32,6 +32,14 @@ class EdgeLines:
     lengths: FloatArray
     """(m,) of the lines."""
 
+    def once(self) -> list[int]:
+        """Return the edges without those along an earlier one's line, in either direction."""
+        first: dict[bytes, int] = {}
+        for k, line in enumerate(self.lines):
+            back = np.ascontiguousarray(line[::-1]).tobytes()
+            first.setdefault(min(line.tobytes(), back), k)
+        return sorted(first.values())
+
     def pieces(self) -> tuple[FloatArray, IntArray]:
         """Return the straight pieces (p, 4) of all lines, and the edge (p,) of each."""
         counts = [len(line) - 1 for line in self.lines]

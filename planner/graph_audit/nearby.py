@@ -37,9 +37,8 @@ class _Pieces:
 
 def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     """Add findings on crossings and on nodes that edges pass."""
-    kept = _distinct(lines)
     rows, edge = lines.pieces()
-    some = np.isin(edge, kept)
+    some = np.isin(edge, lines.once())
     pieces = _Pieces(rows[some], edge[some], lines.ends[edge[some]])
     near = NEAR_EDGE * radius
     names = [one.name for one in lines.edges]
@@ -49,14 +48,6 @@ def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
         findings.add("edge_passes_node", "edge", names[e], at, gap, other=other)
     for e, f, at in _crossings(pieces, lines.places, near):
         findings.add("edges_cross", "edge", names[e], at, other=names[f])
-
-
-def _distinct(lines: EdgeLines) -> IntArray:
-    first: dict[bytes, int] = {}
-    for k, line in enumerate(lines.lines):
-        way = min(line.tobytes(), np.ascontiguousarray(line[::-1]).tobytes())
-        first.setdefault(way, k)
-    return np.array(sorted(first.values()), np.int32)
 
 
 def _pairs(

@@ -46,7 +46,7 @@ def find_tight_turns(
     if turning_radius == 0.0:
         return
     limit = turning_radius * (1.0 - RADIUS_SLACK)
-    for k in _once(lines):
+    for k in lines.once():
         edge, line = lines.edges[k], _distinct(lines.lines[k])
         for at, widest in _bends(line, ground, radius, limit):
             findings.add("edge_bends_tightly", "edge", edge.name, at, widest, turning_radius)
@@ -62,14 +62,6 @@ def find_tight_turns(
             words = f"from edge {names[0]} to edge {names[1]}"
             name = lines.node_names[node]
             findings.add("turn_too_tight", "node", name, at, widest, turning_radius, words)
-
-
-def _once(lines: EdgeLines) -> list[int]:
-    first: dict[bytes, int] = {}
-    for k, line in enumerate(lines.lines):
-        back = np.ascontiguousarray(line[::-1]).tobytes()
-        first.setdefault(min(line.tobytes(), back), k)
-    return sorted(first.values())
 
 
 def _distinct(line: FloatArray) -> FloatArray:
