@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.graph_audit.edge_lines import EdgeLines
+from planner.graph_audit.edge_lines import EdgeLines, vec_of
 from planner.graph_audit.findings import FindingList
 from planner.scene import FloatArray, IntArray, Vec
 
@@ -43,7 +43,7 @@ def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     near = NEAR_EDGE * radius
     names = [one.name for one in lines.edges]
     for e, node, gap in _passed(pieces, lines.places, near):
-        at = _vec(lines.places[node])
+        at = vec_of(lines.places[node])
         other = lines.node_names[node]
         findings.add("edge_passes_node", "edge", names[e], at, gap, other=other)
     for e, f, at in _crossings(pieces, lines.places, near):
@@ -126,7 +126,7 @@ def _crossings(pieces: _Pieces, places: FloatArray, near: float) -> Iterator[tup
             pair = int(pieces.edge[i[k]]), int(pieces.edge[j[k]])
             if pair not in done:
                 done.add(pair)
-                yield *pair, _vec(at[k])
+                yield *pair, vec_of(at[k])
 
 
 def _narrower(low: FloatArray, high: FloatArray) -> int:
@@ -154,7 +154,3 @@ def _turn(u: FloatArray, v: FloatArray) -> FloatArray:
     turn = left - right
     turn[np.abs(turn) <= CROSSING_SLACK * (np.abs(left) + np.abs(right))] = 0.0
     return turn
-
-
-def _vec(point: FloatArray) -> Vec:
-    return float(point[0]), float(point[1])
