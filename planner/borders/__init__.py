@@ -9,5 +9,6 @@
 - ``generator_kernels.py`` places points along the borders; ``generators.py`` is the interface
   to all of this.
 - ``ground.py`` measures points and lines against the borders of a scene, with or without bounds.
+- ``free_rays.py`` finds the nearest free places around a place.
 - ``polyline.py`` and ``polyline_kernels.py`` measure polylines and reduce their vertices.
 """

@@ -19,7 +19,7 @@ from planner.borders import border_kernels, box_tree_kernels, generator_kernels,
 from planner.borders.border_arrays import Corners, Pieces, Tree
 from planner.borders.inside_kernels import ClosedBorders
 from planner.scene import FloatArray, IntArray, Primitives
-from planner.shared.arguments import as_float
+from planner.shared.arguments import as_positive
 
 Mode: TypeAlias = Literal["exact", "paper"]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -129,21 +129,11 @@ class Generators:
         return self.borders.owner[self.label]
 
 
-def check_radius(radius: float) -> float:
-    """Radius as a float; ``ValueError`` unless it is > 0 and finite."""
-    value = as_float("radius", radius)
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"radius = {radius}: must be > 0 and finite")
-    return value
-
-
 def choose_spacing(radius: float, spacing: float | None) -> float:
     """Given spacing, checked, or one radius by default."""
     if spacing is None:
         return SPACING_PER_RADIUS * radius
-    value = as_float("spacing", spacing)
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
+    value = as_positive("spacing", spacing)
     if value >= 2.0 * radius:
         raise ValueError(f"spacing = {spacing:g}: must be < 2 radius = {2.0 * radius:g}")
     return value

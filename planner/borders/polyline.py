@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.borders import polyline_kernels as kernels
 from planner.scene import FloatArray, IntArray
@@ -12,6 +13,11 @@ def arc_lengths(points: FloatArray) -> FloatArray:
     """Length (n,) along the (n, 2) polyline at each of its points, from 0."""
     steps = np.hypot(*np.diff(points, axis=0).T)
     return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def moves(points: FloatArray) -> NDArray[np.bool_]:
+    """True (n,) for points (n, 2) other than the one before, and for the first."""
+    return np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
 
 
 def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Sequence
 from typing import Any
@@ -14,7 +13,7 @@ from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, Effort, search, touching
 from planner.fleet.search.team import edges_of, make_graph, make_robot
 from planner.scene import FloatArray
-from planner.shared.arguments import as_float, as_list, as_numbers, as_whole, brief
+from planner.shared.arguments import as_list, as_numbers, as_positive, as_whole, brief
 from planner.shared.search_clock import Clock, search_clock_s
 
 
@@ -42,7 +41,7 @@ def plan_on_graph(
     effort = check_effort(time_limit_s, improve, seed, clock)
     places = _numbers("nodes", nodes)
     rows = _edges(edges, len(places))
-    size = _positive("radius", radius, zero=True)
+    size = as_positive("radius", radius, zero=True)
     begin, end = _nodes("starts", starts, len(places)), _nodes("goals", goals, len(places))
     if len(begin) != len(end):
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
@@ -65,7 +64,7 @@ def check_effort(
     time_limit_s: float, improve: int, seed: int, clock: Clock = search_clock_s
 ) -> Effort:
     """Return the effort, with its time limit starting now; ``ValueError`` on senseless input."""
-    limit = _positive("time_limit_s", time_limit_s)
+    limit = as_positive("time_limit_s", time_limit_s)
     rounds, number = as_whole("improve", improve), as_whole("seed", seed)
     return Effort(limit, clock() + limit, rounds, number, clock)
 
@@ -113,10 +112,3 @@ def _nodes(name: str, chosen: Sequence[Any], count: int) -> list[int]:
             raise ValueError(f"{name}[{i}] = {number}: must be a node, 0 to {count - 1}")
         numbers.append(number)
     return numbers
-
-
-def _positive(name: str, value: float, *, zero: bool = False) -> float:
-    number = as_float(name, value)
-    if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
-        raise ValueError(f"{name} = {number:g}: must be finite and {'>=' if zero else '>'} 0")
-    return number

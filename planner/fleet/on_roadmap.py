@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from planner.borders.polyline import moves
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.ground.shared_graph import GroundPlaces, OutOfTime, lay_places
 from planner.fleet.ground.zone_edges import cost_factors, usable_edges
@@ -21,7 +21,7 @@ from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath, Path
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import FloatArray
-from planner.shared.arguments import as_float, as_list, as_numbers, brief, of_kind
+from planner.shared.arguments import as_list, as_numbers, as_positive, brief, of_kind
 from planner.shared.search_clock import Clock, search_clock_s
 from planner.zones.rules import Rules
 from planner.zones.zone import Zone
@@ -194,8 +194,7 @@ def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> No
 def check_rules(rules: Sequence[Rules], plan: FleetPlan) -> None:
     """Raise ``AssertionError`` if a track breaks a zone's rule: our bug."""
     for i, (own, track) in enumerate(zip(rules, plan.tracks, strict=True)):
-        moves = np.concatenate([[True], np.any(np.diff(track[:, 1:], axis=0) != 0.0, axis=1)])
-        places = np.ascontiguousarray(track[moves, 1:])
+        places = np.ascontiguousarray(track[moves(track[:, 1:]), 1:])
         if not own.grounds or len(places) < 2:
             continue
         breach = own.breach(places)
@@ -232,10 +231,7 @@ def check_radii(radii: float | Sequence[float] | None, default: float, count: in
         array = np.full(count, float(array))
     if array.shape != (count,):
         raise ValueError(f"{array.size} radii for {count} robots: must be one, or one each")
-    for i, radius in enumerate(array.tolist()):
-        if not math.isfinite(radius) or radius <= 0.0:
-            raise ValueError(f"radii[{i}] = {radius:g}: must be > 0 and finite")
-    return [float(radius) for radius in array.tolist()]
+    return [as_positive(f"radii[{i}]", radius) for i, radius in enumerate(array.tolist())]
 
 
 def check_zones(zones: Sequence[Sequence[Zone]] | None, count: int) -> list[tuple[Zone, ...]]:
@@ -258,8 +254,4 @@ def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -
         each = [of_kind("limits", one, Limits) for one in as_list("limits", limits, "Limits")]
     if len(each) != len(sizes):
         raise ValueError(f"{len(each)} limits for {len(sizes)} robots: must be one, or one each")
-    for i, one in enumerate(each):
-        speed = as_float(f"limits[{i}].speed", one.speed)
-        if not math.isfinite(speed) or speed <= 0.0:
-            raise ValueError(f"limits[{i}].speed = {speed:g}: must be > 0 and finite")
-    return [float(one.speed) for one in each]
+    return [as_positive(f"limits[{i}].speed", one.speed) for i, one in enumerate(each)]

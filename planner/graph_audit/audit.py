@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from planner.borders.generators import check_radius
 from planner.borders.ground import Ground
 from planner.formats.mask_files import SpeedLevel
 from planner.graph_audit.edge_lines import EdgeLines, lay_out
@@ -15,12 +14,13 @@ from planner.graph_audit.frame_search import find_frame
 from planner.graph_audit.goals import check_goals, judge_goals
 from planner.graph_audit.nearby import find_nearby
 from planner.graph_audit.passing import find_narrow
-from planner.graph_audit.slow_zones import check_speed, find_fast
+from planner.graph_audit.slow_zones import find_fast
 from planner.graph_audit.structure import find_doubles, find_lengths, find_reach, find_taken_ids
-from planner.graph_audit.turns import check_turning_radius, find_tight_turns
+from planner.graph_audit.turns import find_tight_turns
 from planner.graph_audit.unsafe import judge_edges, judge_nodes, judge_zones
 from planner.graph_files.route_graph import RouteEdge, RouteGraph
 from planner.scene import FloatArray, Scene
+from planner.shared.arguments import as_positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +83,9 @@ def audit(
     ``ValueError`` for a senseless radius, speed, goal or frame. O(n log n) for n edges that lie
     near few others.
     """
-    size, top_speed = check_radius(radius), check_speed(max_speed_m_s)
-    turning, places = check_turning_radius(turning_radius), check_goals(goals)
+    size, places = as_positive("radius", radius), check_goals(goals)
+    top_speed = None if max_speed_m_s is None else as_positive("max_speed_m_s", max_speed_m_s)
+    turning = as_positive("turning_radius", turning_radius or 0.0, zero=True)
     graph = _one_frame(graph, frame)
     findings = FindingList(scene.units)
     find_taken_ids(graph, findings)

@@ -32,6 +32,14 @@ class EdgeLines:
     lengths: FloatArray
     """(m,) of the lines."""
 
+    def once(self) -> list[int]:
+        """Return the edges without those along an earlier one's line, in either direction."""
+        first: dict[bytes, int] = {}
+        for k, line in enumerate(self.lines):
+            back = np.ascontiguousarray(line[::-1]).tobytes()
+            first.setdefault(min(line.tobytes(), back), k)
+        return sorted(first.values())
+
     def pieces(self) -> tuple[FloatArray, IntArray]:
         """Return the straight pieces (p, 4) of all lines, and the edge (p,) of each."""
         counts = [len(line) - 1 for line in self.lines]
@@ -45,7 +53,7 @@ def lay_out(graph: RouteGraph, radius: float, findings: FindingList) -> EdgeLine
     index: dict[GraphId, int] = {}
     for k, node in enumerate(graph.nodes):
         index.setdefault(node.id, k)
-    places = np.array([(node.x, node.y) for node in graph.nodes]).reshape(-1, 2)
+    places = np.array([node.at for node in graph.nodes]).reshape(-1, 2)
     edges, lines, ends = [], [], []
     for edge in graph.edges:
         missing = [end for end in (edge.start, edge.end) if end not in index]
@@ -86,7 +94,7 @@ def _line(
     for k, node in ((0, edge.start), (-1, edge.end)):
         beside = float(np.hypot(*(drawn[k] - ends[k])))
         if beside > tolerance:
-            at = _vec(drawn[k])
+            at = vec_of(drawn[k])
             findings.add("line_beside_node", "edge", edge.name, at, beside, other=node)
     if graph.bends:
         inner = drawn[1:-1] if len(drawn) > 1 else drawn[:0]
@@ -94,7 +102,7 @@ def _line(
     off = _off_chord(drawn)
     far = int(np.argmax(off))
     if off[far] > tolerance:
-        findings.add("line_not_straight", "edge", edge.name, _vec(drawn[far]), float(off[far]))
+        findings.add("line_not_straight", "edge", edge.name, vec_of(drawn[far]), float(off[far]))
     return ends
 
 
@@ -114,7 +122,8 @@ def _off_chord(drawn: FloatArray) -> FloatArray:
     return off
 
 
-def _vec(point: FloatArray) -> Vec:
+def vec_of(point: FloatArray) -> Vec:
+    """A point (2,) as plain numbers."""
     return float(point[0]), float(point[1])
 
 

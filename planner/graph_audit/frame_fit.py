@@ -60,7 +60,7 @@ class FrameFit:
         return replace(graph, nodes=tuple(nodes), edges=tuple(edges))
 
     def _moved(self, node: RouteNode) -> RouteNode:
-        ((x, y),) = self.placed(np.array([(node.x, node.y)])).tolist()
+        ((x, y),) = self.placed(np.array([node.at])).tolist()
         return replace(node, x=x, y=y)
 
     def _along(self, edge: RouteEdge) -> RouteEdge:

@@ -103,12 +103,8 @@ def _apart(places: FloatArray, others: FloatArray) -> float:
 
 def _points_along(lines: EdgeLines, radius: float) -> FloatArray:
     """Equally spaced points along the edges' lines, those of each line once."""
-    seen: dict[bytes, FloatArray] = {}
-    for line in lines.lines:
-        back = np.ascontiguousarray(line[::-1])
-        seen.setdefault(min(line.tobytes(), back.tobytes()), line)
-    pieces = [np.hstack([line[:-1], line[1:]]) for line in seen.values()]
-    rows = np.concatenate([np.empty((0, 4)), *pieces])
+    rows, edge = lines.pieces()
+    rows = rows[np.isin(edge, lines.once())]
     lengths = np.hypot(*(rows[:, 2:] - rows[:, :2]).T)
     total = float(lengths.sum())
     if not 0.0 < total < math.inf:

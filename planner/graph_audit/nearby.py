@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.graph_audit.edge_lines import EdgeLines
+from planner.graph_audit.edge_lines import EdgeLines, vec_of
 from planner.graph_audit.findings import FindingList
 from planner.scene import FloatArray, IntArray, Vec
 
@@ -37,26 +37,17 @@ class _Pieces:
 
 def find_nearby(lines: EdgeLines, radius: float, findings: FindingList) -> None:
     """Add findings on crossings and on nodes that edges pass."""
-    kept = _distinct(lines)
     rows, edge = lines.pieces()
-    some = np.isin(edge, kept)
+    some = np.isin(edge, lines.once())
     pieces = _Pieces(rows[some], edge[some], lines.ends[edge[some]])
     near = NEAR_EDGE * radius
     names = [one.name for one in lines.edges]
     for e, node, gap in _passed(pieces, lines.places, near):
-        at = _vec(lines.places[node])
+        at = vec_of(lines.places[node])
         other = lines.node_names[node]
         findings.add("edge_passes_node", "edge", names[e], at, gap, other=other)
     for e, f, at in _crossings(pieces, lines.places, near):
         findings.add("edges_cross", "edge", names[e], at, other=names[f])
-
-
-def _distinct(lines: EdgeLines) -> IntArray:
-    first: dict[bytes, int] = {}
-    for k, line in enumerate(lines.lines):
-        way = min(line.tobytes(), np.ascontiguousarray(line[::-1]).tobytes())
-        first.setdefault(way, k)
-    return np.array(sorted(first.values()), np.int32)
 
 
 def _pairs(
@@ -135,7 +126,7 @@ def _crossings(pieces: _Pieces, places: FloatArray, near: float) -> Iterator[tup
             pair = int(pieces.edge[i[k]]), int(pieces.edge[j[k]])
             if pair not in done:
                 done.add(pair)
-                yield *pair, _vec(at[k])
+                yield *pair, vec_of(at[k])
 
 
 def _narrower(low: FloatArray, high: FloatArray) -> int:
@@ -163,7 +154,3 @@ def _turn(u: FloatArray, v: FloatArray) -> FloatArray:
     turn = left - right
     turn[np.abs(turn) <= CROSSING_SLACK * (np.abs(left) + np.abs(right))] = 0.0
     return turn
-
-
-def _vec(point: FloatArray) -> Vec:
-    return float(point[0]), float(point[1])

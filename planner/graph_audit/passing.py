@@ -77,19 +77,11 @@ def driven_both_ways(lines: EdgeLines) -> list[int]:
 
 
 def _stretches(parts: list[_Part]) -> list[list[_Part]]:
-    leader = list(range(len(parts)))
-
-    def find(k: int) -> int:
-        while leader[k] != k:
-            leader[k] = leader[leader[k]]
-            k = leader[k]
-        return k
+    import networkx as nx  # late: it takes 0.2 s
 
     first: dict[int, int] = {}
+    met: nx.Graph[int] = nx.Graph()
     for k, part in enumerate(parts):
-        for node in part.nodes:
-            leader[find(k)] = find(first.setdefault(node, k))
-    groups: dict[int, list[_Part]] = {}
-    for k, part in enumerate(parts):
-        groups.setdefault(find(k), []).append(part)
-    return list(groups.values())
+        met.add_node(k)
+        met.add_edges_from((k, first.setdefault(node, k)) for node in part.nodes)
+    return [[parts[k] for k in sorted(group)] for group in nx.connected_components(met)]

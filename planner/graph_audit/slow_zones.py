@@ -7,7 +7,6 @@ the speed filter.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from planner.borders.ground import Ground
@@ -17,20 +16,9 @@ from planner.graph_audit.findings import FindingList
 from planner.graph_audit.structure import middle
 from planner.graph_audit.unsafe import NOTICED
 from planner.graph_files.route_graph import RouteEdge
-from planner.shared.arguments import as_float
 
 FASTER = 1e-9
 """Limits that differ by less than this part are equal: files round."""
-
-
-def check_speed(max_speed_m_s: float | None) -> float | None:
-    """Largest speed as a float; ``ValueError`` unless it is > 0 and finite."""
-    if max_speed_m_s is None:
-        return None
-    speed = as_float("max_speed_m_s", max_speed_m_s)
-    if not (math.isfinite(speed) and speed > 0.0):
-        raise ValueError(f"max_speed_m_s = {max_speed_m_s:g}: must be > 0 and finite")
-    return speed
 
 
 def find_fast(

@@ -25,7 +25,7 @@ def find_taken_ids(graph: RouteGraph, findings: FindingList) -> None:
     nodes: set[object] = set()
     for node in graph.nodes:
         if node.id in nodes:
-            findings.add("node_id_taken", "node", node.id, (node.x, node.y))
+            findings.add("node_id_taken", "node", node.id, node.at)
         nodes.add(node.id)
     edges: set[object] = set()
     for edge in graph.edges:

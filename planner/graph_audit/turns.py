@@ -17,26 +17,16 @@ from itertools import pairwise
 import numpy as np
 
 from planner.borders.ground import Ground
+from planner.borders.polyline import moves
 from planner.graph_audit.edge_lines import EdgeLines
 from planner.graph_audit.findings import FindingList
 from planner.graph_audit.unsafe import RADIUS_SLACK
 from planner.scene import FloatArray, Vec
-from planner.shared.arguments import as_float
 
 STRAIGHT_RAD = 1e-6
 """Turns up to this angle are rounding."""
 MEASURED_STEP_RAD = 0.05
 """Angle between the points at which an arc is measured; its chords leave it by 0.03 % of R."""
-
-
-def check_turning_radius(turning_radius: float | None) -> float:
-    """Turning radius as a float, 0 for None; ``ValueError`` unless it is >= 0 and finite."""
-    if turning_radius is None:
-        return 0.0
-    value = as_float("turning_radius", turning_radius)
-    if not (math.isfinite(value) and value >= 0.0):
-        raise ValueError(f"turning_radius = {turning_radius:g}: must be >= 0 and finite")
-    return value
 
 
 def find_tight_turns(
@@ -46,12 +36,12 @@ def find_tight_turns(
     if turning_radius == 0.0:
         return
     limit = turning_radius * (1.0 - RADIUS_SLACK)
-    for k in _once(lines):
-        edge, line = lines.edges[k], _distinct(lines.lines[k])
+    for k in lines.once():
+        edge, line = lines.edges[k], lines.lines[k][moves(lines.lines[k])]
         for at, widest in _bends(line, ground, radius, limit):
             findings.add("edge_bends_tightly", "edge", edge.name, at, widest, turning_radius)
     for e, f, node in _turns(lines):
-        line, after = (_distinct(one) for one in (e[1], f[1]))
+        line, after = (one[moves(one)] for one in (e[1], f[1]))
         if len(line) < 2 or len(after) < 2:
             continue
         corner = np.array([line[-2], line[-1], after[1]])
@@ -62,20 +52,6 @@ def find_tight_turns(
             words = f"from edge {names[0]} to edge {names[1]}"
             name = lines.node_names[node]
             findings.add("turn_too_tight", "node", name, at, widest, turning_radius, words)
-
-
-def _once(lines: EdgeLines) -> list[int]:
-    first: dict[bytes, int] = {}
-    for k, line in enumerate(lines.lines):
-        back = np.ascontiguousarray(line[::-1]).tobytes()
-        first.setdefault(min(line.tobytes(), back), k)
-    return sorted(first.values())
-
-
-def _distinct(line: FloatArray) -> FloatArray:
-    kept = np.ones(len(line), np.bool_)
-    kept[1:] = (np.diff(line, axis=0) != 0.0).any(axis=1)
-    return line[kept]
 
 
 Driven = tuple[int, FloatArray]

@@ -139,15 +139,11 @@ def _straightened(
 def _inner(edge: RouteEdge, by_id: Mapping[GraphId, RouteNode]) -> list[Vec]:
     """Points of an edge's line between its nodes."""
     line = list(edge.line)
-    if edge.start in by_id and line and line[0] == _at(by_id[edge.start]):
+    if edge.start in by_id and line and line[0] == by_id[edge.start].at:
         line = line[1:]
-    if edge.end in by_id and line and line[-1] == _at(by_id[edge.end]):
+    if edge.end in by_id and line and line[-1] == by_id[edge.end].at:
         line = line[:-1]
     return line
-
-
-def _at(node: RouteNode) -> Vec:
-    return node.x, node.y
 
 
 def _one_way(edge: RouteEdge) -> Iterator[RouteEdge]:

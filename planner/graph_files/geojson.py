@@ -98,7 +98,7 @@ def write_geojson(graph: RouteGraph) -> str:
     """Write a graph with this format's fields."""
     document = dict(graph.fields)
     others = document.pop("other_features", [])
-    places = {node.id: (node.x, node.y) for node in graph.nodes}
+    places = {node.id: node.at for node in graph.nodes}
     document["features"] = [
         *(_point(node) for node in graph.nodes),
         *(_lines(edge, places) for edge in graph.edges),

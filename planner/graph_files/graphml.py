@@ -147,7 +147,7 @@ def _edge(
         line = _points(here.at("polyline"), fields.pop("polyline"))
     directed = element.get("directed")
     both_ways = not one_way if directed is None else directed.lower() not in ("true", "1")
-    limits = take_limits(fields)._asdict()
+    limits = take_limits(fields)
     number = element.get("id")
     return RouteEdge(number, ends[0], ends[1], both_ways, line, fields=fields, **limits)
 

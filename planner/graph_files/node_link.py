@@ -8,19 +8,18 @@ networkx versions. In a file that is not ``directed`` every edge leads both ways
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from planner.graph_files.file_place import FilePlace, json_text, parse_json, take_number
 from planner.graph_files.route_graph import RouteEdge, RouteGraph, RouteNode
 
-
-class EdgeLimits(NamedTuple):
-    """Limits in an edge's attributes, or None."""
-
-    cost: float | None
-    length: float | None
-    speed_m_s: float | None
-    speed_percent: float | None
+_LIMITS = {
+    "cost": "cost",
+    "length": "length",
+    "speed": "speed_m_s",
+    "speed_percent": "speed_percent",
+}
+"""Attributes of an edge's limits, and their fields of `RouteEdge`."""
 
 
 def read_node_link(text: str, file: str) -> RouteGraph:
@@ -58,7 +57,7 @@ def _edge(here: FilePlace, value: Any, both_ways: bool) -> RouteEdge:
     number = here.at("id").identity(fields.pop("id")) if "id" in fields else None
     rows = here.at("polyline").sequence(fields.pop("polyline", []))
     line = tuple(here.at("polyline").at(i).place(row)[0] for i, row in enumerate(rows))
-    limits = take_limits(fields)._asdict()
+    limits = take_limits(fields)
     return RouteEdge(number, start, end, both_ways, line, fields=fields, **limits)
 
 
@@ -67,21 +66,14 @@ def take_text(fields: dict[str, Any], key: str) -> str:
     return fields.pop(key) if isinstance(fields.get(key), str) else ""
 
 
-def take_limits(fields: dict[str, Any]) -> EdgeLimits:
-    """Remove and return an edge's limits."""
-    return EdgeLimits(
-        *(take_number(fields, key) for key in ("cost", "length", "speed", "speed_percent"))
-    )
+def take_limits(fields: dict[str, Any]) -> dict[str, Any]:
+    """Remove an edge's limits and return them as fields of `RouteEdge`."""
+    return {field: take_number(fields, key) for key, field in _LIMITS.items()}
 
 
 def limits_of(edge: RouteEdge) -> dict[str, float]:
     """Return an edge's limits, as far as they are given."""
-    values = {
-        "cost": edge.cost,
-        "length": edge.length,
-        "speed": edge.speed_m_s,
-        "speed_percent": edge.speed_percent,
-    }
+    values = {key: getattr(edge, field) for key, field in _LIMITS.items()}
     return {key: value for key, value in values.items() if value is not None}
 
 

@@ -40,6 +40,11 @@ class RouteNode:
     fields: Mapping[str, Any] = field(default_factory=dict)
     part: int = 0
 
+    @property
+    def at(self) -> Vec:
+        """(x, y)."""
+        return self.x, self.y
+
 
 @dataclass(frozen=True, slots=True)
 class RouteEdge:

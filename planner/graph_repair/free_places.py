@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from planner.borders.free_rays import nearest_free
 from planner.graph_repair.solid_ground import SolidGround
 from planner.scene import FloatArray, Vec
 
@@ -61,20 +62,6 @@ def _seen(place: FloatArray, neighbours: Sequence[Vec], ground: SolidGround) -> 
 def _places_around(at: Vec, ground: SolidGround, farthest: float) -> FloatArray:
     """Free places (n, 2), one in each direction that has any, the nearest first."""
     count = max(1, math.ceil(math.log(farthest / (FIRST_RADII * ground.radius), GROWTH)))
-    rings = FIRST_RADII * ground.radius * GROWTH ** np.arange(count + 1)
+    rings: FloatArray = FIRST_RADII * ground.radius * GROWTH ** np.arange(count + 1)
     turns = np.linspace(0.0, math.tau, PLACE_DIRECTIONS, endpoint=False)
-    unit = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    points = np.array(at) + rings[:, None, None] * unit[None]
-    free = ground.is_free(points.reshape(-1, 2)).reshape(points.shape[:2])
-    ways = np.flatnonzero(free.any(axis=0))
-    first = np.argmax(free[:, ways], axis=0)
-    # between the last ring that is not free and the first one that is
-    low = np.where(first > 0, rings[np.maximum(first - 1, 0)], 0.0)
-    high = rings[first]
-    for _ in range(STEP_HALVINGS):
-        middle = 0.5 * (low + high)
-        fine = ground.is_free(np.array(at) + middle[:, None] * unit[ways])
-        low, high = np.where(fine, low, middle), np.where(fine, middle, high)
-    order = np.argsort(high, kind="stable")
-    nearest: FloatArray = (np.array(at) + high[:, None] * unit[ways])[order]
-    return nearest
+    return nearest_free(np.array(at), turns, rings, ground.is_free, STEP_HALVINGS)

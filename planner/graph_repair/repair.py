@@ -112,7 +112,7 @@ class _Work:
         free = self.ground.is_free(places.reshape(-1, 2))
         first: dict[GraphId, Vec] = {}
         for k in own:
-            first.setdefault(self.graph.nodes[k].id, _at(self.graph.nodes[k]))
+            first.setdefault(self.graph.nodes[k].id, self.graph.nodes[k].at)
         safe = {k for k, is_free in zip(own, free.tolist(), strict=True) if is_free}
         sound = {self.graph.nodes[k].id for k in safe}
         self.nodes = list(self.graph.nodes)
@@ -123,7 +123,7 @@ class _Work:
             node = self.graph.nodes[k]
             if k in safe:
                 continue
-            place = _at(node)
+            place = node.at
             if place not in targets:
                 near = list(neighbours.get(place, ()))
                 targets[place] = free_place(place, near, self.ground, farthest)
@@ -149,7 +149,7 @@ class _Work:
         places: dict[GraphId, Vec] = {}
         for old, node in zip(self.graph.nodes, self.nodes, strict=True):
             if id(old) in self.inside:
-                places.setdefault(node.id, _at(node))
+                places.setdefault(node.id, node.at)
         detours = Detours(replace(self.graph, nodes=tuple(self.nodes)), FreshIds(self.graph))
         moved = {move.node for move in self.moved}
         paths: dict[tuple[Vec, Vec], FloatArray | str] = {}
@@ -223,10 +223,6 @@ class _Work:
         if finding.subject == "edge" and ("edge", finding.name) in self._reasons:
             return self._reasons["edge", finding.name]
         return self._reasons.get((finding.subject, finding.name), MISSING)
-
-
-def _at(node: RouteNode) -> Vec:
-    return node.x, node.y
 
 
 def _extent(places: FloatArray) -> float:

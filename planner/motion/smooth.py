@@ -18,7 +18,7 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
+from planner.borders.polyline import arc_lengths, fewer_vertices, moves, points_at
 from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
 from planner.route.plan_request import preference_of
@@ -293,6 +293,5 @@ def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> Flo
     if done == len(points):
         pieces.append(points[-1:])
     joined = np.concatenate(pieces)
-    moved = np.concatenate([[True], np.any(np.diff(joined, axis=0) != 0.0, axis=1)])
-    result: FloatArray = joined[moved]
+    result: FloatArray = joined[moves(joined)]
     return result

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
+from planner.borders.polyline import arc_lengths, fewer_vertices, moves, points_at
 from planner.path import Limits, Path
 from planner.scene import FloatArray, IntArray
 from planner.shared.angles import wrap_angle
@@ -115,7 +115,7 @@ class CutPath:
         self.allowed = allowed
         self.slack = max(path.min_clearance - path.robot_radius, 0.0)
         points = np.asarray(path.points, dtype=np.float64).reshape(-1, 2)
-        keep = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
+        keep = moves(points)
         new_index = np.cumsum(keep) - 1
         self.points = points[keep]
         self.lengths = arc_lengths(self.points)

@@ -6,7 +6,6 @@ border or wall of the bounds, negative inside an obstacle or outside the bounds.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,7 +20,6 @@ from planner.borders.generators import (
     Borders,
     HasPrimitives,
     Mode,
-    check_radius,
     choose_spacing,
     count_generators,
     gather_borders,
@@ -43,7 +41,7 @@ from planner.route.plan_request import Request
 from planner.route.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
 from planner.scene.drawing import ROAD, StyledLines, plot, to_svg
-from planner.shared.arguments import as_float, as_numbers, of_kind, one_of
+from planner.shared.arguments import as_numbers, as_positive, of_kind, one_of
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -363,12 +361,10 @@ def build_roadmap(
     if not (lap is None or callable(lap)):
         raise TypeError(f"lap is a {type(lap).__name__}: must be a function")
     done = lap or (lambda stage: None)
-    size = check_radius(radius)
+    size = as_positive("radius", radius)
     delta = choose_spacing(size, spacing)
     one_of("mode", mode, "exact", "paper")
-    least = as_float("least_branch", least_branch)
-    if not 0.0 <= least < math.inf:
-        raise ValueError(f"least_branch = {least_branch}: must be >= 0 and finite")
+    least = as_positive("least_branch", least_branch, zero=True)
     borders = gather_borders(scene, mode)
     generators = place_generators(borders, delta)
     done("geometry")

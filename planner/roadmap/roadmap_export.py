@@ -77,8 +77,9 @@ def as_text(
 ) -> str:
     """Graph in the format of a file's suffix: .graphml, .geojson, .json, .lif, .yaml or .yml.
 
-    ``frame`` and ``generated`` are as :func:`to_geojson`'s, for straight edges. Raises
-    :class:`ExchangeError` for another suffix.
+    ``frame`` is the TF frame of straight edges, ``generated`` Nav2's ``date_generated``, omitted
+    if None. Raises :class:`ExchangeError` for another suffix, and for straight edges if the graph
+    has none, which Nav2's route server refuses.
     """
     form = format_of(f"roadmap{suffix}")
     return graph_text(route_graph(roadmap, form, frame, generated), form)
@@ -106,25 +107,6 @@ def to_networkx(roadmap: Exported) -> nx.Graph[int]:
     return plain
 
 
-def to_graphml(roadmap: Exported) -> str:
-    """GraphML of the graph of :func:`to_networkx`."""
-    return graph_text(bent_graph(roadmap), "graphml")
-
-
-def to_node_link(roadmap: Exported) -> str:
-    """Graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
-    return graph_text(bent_graph(roadmap), "node-link")
-
-
-def to_geojson(roadmap: Exported, frame: str = "map", generated: str | None = None) -> str:
-    """Graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
-
-    ``generated`` is the value of ``date_generated``, omitted if None. Raises :class:`ExchangeError`
-    if the graph has no edge, which the server refuses.
-    """
-    return graph_text(straight_graph(roadmap, frame, generated), "nav2")
-
-
 def bent_graph(roadmap: Exported) -> RouteGraph:
     """Return the graph as it is."""
     nodes = [
@@ -149,7 +131,7 @@ def bent_graph(roadmap: Exported) -> RouteGraph:
 def straight_graph(
     roadmap: Exported, frame: str = "map", generated: str | None = None
 ) -> RouteGraph:
-    """Return the graph in straight pieces, each in both directions; see :func:`to_geojson`."""
+    """Return the graph in straight pieces, each in both directions; see :func:`as_text`."""
     same = SAME_PLACE * roadmap.borders.extent
     points: list[RouteNode] = []
     number = _numbered(roadmap, points, frame, same)

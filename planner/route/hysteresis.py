@@ -18,7 +18,7 @@ import numpy as np
 
 from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
-from planner.borders.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, moves, points_at
 from planner.path import NoPath, Path
 from planner.route.taut import judge
 from planner.scene import FloatArray, Vec
@@ -55,8 +55,7 @@ def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: f
     inner = last[(lengths > first) & (lengths < final)]
     ends = points_at(last, lengths, np.array([first, final]))
     way = np.concatenate([[start], ends[:1], inner, ends[1:], [goal]])
-    moved = np.concatenate([[True], np.any(np.diff(way, axis=0) != 0.0, axis=1)])
-    return np.ascontiguousarray(way[moved])
+    return np.ascontiguousarray(way[moves(way)])
 
 
 def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from planner.scene import Vec
-from planner.shared.arguments import as_float, as_list, brief, one_of
+from planner.shared.arguments import as_float, as_list, as_positive, brief, one_of
 
 PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
 """Numbers of the names of ``prefer``."""
@@ -60,9 +60,7 @@ class Request:
         named = [("start", start), *((f"via[{i}]", v) for i, v in vias), ("goal", goal)]
         parsed = [_station(name, value) for name, value in named]
         one_of("order", order, "fixed", "best")
-        spare = as_float("margin", margin)
-        if not (math.isfinite(spare) and spare >= 0.0):
-            raise ValueError(f"margin = {margin}: must be >= 0 and finite")
+        spare = as_positive("margin", margin, zero=True)
         return cls(
             tuple(p[0] for p in parsed),
             tuple(p[1] for p in parsed),

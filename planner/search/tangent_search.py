@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.borders import box_tree_kernels
 from planner.borders.generators import JOINT, Borders
+from planner.borders.polyline import moves
 from planner.scene import FloatArray, Vec
 from planner.search import tangent_kernels
 
@@ -94,5 +95,4 @@ def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> Floa
         points.append(np.c_[x + out * np.cos(turned), y + out * np.sin(turned)])
     points.append(discs[tangent_kernels.GOAL, None, :2])
     way = np.concatenate(points)
-    moved = np.concatenate([[True], np.any(np.diff(way, axis=0) != 0.0, axis=1)])
-    return np.ascontiguousarray(way[moved])
+    return np.ascontiguousarray(way[moves(way)])

@@ -52,6 +52,14 @@ def as_float(name: str, value: Any) -> float:
     raise TypeError(f"{name} = {brief(value)}: must be a number")
 
 
+def as_positive(name: str, value: Any, *, zero: bool = False) -> float:
+    """Convert the value to a finite float > 0, or >= 0 with ``zero``."""
+    number = as_float(name, value)
+    if not (0.0 < number < math.inf or (zero and number == 0.0)):
+        raise ValueError(f"{name} = {brief(value)}: must be {'>=' if zero else '>'} 0 and finite")
+    return number
+
+
 def as_index(name: str, value: Any) -> int:
     """Convert the value to a whole number."""
     try:

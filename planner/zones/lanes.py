@@ -19,6 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from planner.borders.polyline import moves
 from planner.scene import FloatArray, Vec
 from planner.zones.areas import BandArea
 from planner.zones.rules import Rules
@@ -219,5 +220,4 @@ def _shortest(cost: FloatArray, begin: int, end: int) -> list[int] | None:
 
 def _joined(lines: list[FloatArray]) -> FloatArray:
     points = np.concatenate([lines[0][:1], *(line[1:] for line in lines)])
-    moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
-    return np.ascontiguousarray(points[moves])
+    return np.ascontiguousarray(points[moves(points)])

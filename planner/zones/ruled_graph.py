@@ -19,7 +19,7 @@ def ruled_graph(graph: RouteGraph, rules: Rules) -> RouteGraph:
     edge is its limit; its cost is its length weighed by lanes. Edges whose nodes do not exist stay
     as they are.
     """
-    places = {node.id: (node.x, node.y) for node in reversed(graph.nodes)}
+    places = {node.id: node.at for node in reversed(graph.nodes)}
     edges = (one for edge in graph.edges for one in _ruled(edge, places, rules))
     return replace(graph, edges=tuple(edges))
 

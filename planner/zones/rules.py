@@ -146,14 +146,11 @@ class Rules:
             inside = one.distances(points) < 0.0
             factors[inside] = np.minimum(factors[inside], one.zone.cost)
         if self.speed is not None:
-            factors *= self.speed / np.minimum(self._limits(points, 0.0), self.speed)
+            factors *= self.speed / np.minimum(self.speed_limits(points, 0.0), self.speed)
         return factors
 
-    def speed_limits(self, points: FloatArray, reach: FloatArray) -> FloatArray:
+    def speed_limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:
         """Highest speeds (n,) within ``reach`` (n,) of points (n, 2), infinite without a limit."""
-        return self._limits(points, reach)
-
-    def _limits(self, points: FloatArray, reach: FloatArray | float) -> FloatArray:
         limits = np.full(len(points), np.inf)
         for one in self.grounds:
             if one.zone.speed is not None:

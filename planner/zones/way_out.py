@@ -12,7 +12,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
+from planner.borders.free_rays import nearest_free
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
@@ -48,7 +50,11 @@ def way_out(
     box = closed.borders.box
     longest = math.hypot(box[2] - box[0], box[3] - box[1])
     steps = np.geomspace(1e-3 * need, longest, WAY_OUT_DISTANCES)
-    outside = _ends(closed, here, angles, steps, need)
+
+    def is_free(points: FloatArray) -> NDArray[np.bool_]:
+        return closed.clearance(points) >= need
+
+    outside = nearest_free(here, angles, steps, is_free, WAY_OUT_HALVINGS)
     found = _first_free(open_, here, outside, keep, permits)
     if found is None:
         return _around(open_, here, list(outside[:PLACES]), permits)
@@ -58,22 +64,8 @@ def way_out(
     finer = angle + step * np.linspace(-1.0, 1.0, WAY_OUT_DIRECTIONS + 1)
     length = math.dist(*found)
     nearer = np.linspace(0.5 * length, length, FINER_DISTANCES)
-    ends = np.vstack([_ends(closed, here, finer, nearer, need), found[1:]])
-    return _first_free(open_, here, ends, keep, permits)
-
-
-def _ends(
-    closed: Roadmap, here: FloatArray, angles: FloatArray, steps: FloatArray, need: float
-) -> FloatArray:
-    units = np.column_stack([np.cos(angles), np.sin(angles)])
-    ends = here + steps[:, None, None] * units
-    free = (closed.clearance(ends.reshape(-1, 2)) >= need).reshape(len(steps), len(units))
-    ways = np.flatnonzero(free.any(axis=0))
-    first = free[:, ways].argmax(axis=0)
-    low = np.where(first > 0, steps[first - 1], 0.0)
-    lengths = _to_the_border(closed, here, units[ways], low, steps[first], need)
-    outside: FloatArray = here + lengths[:, None] * units[ways]
-    return outside[np.argsort(lengths, kind="stable")]
+    ends = nearest_free(here, finer, nearer, is_free, WAY_OUT_HALVINGS)
+    return _first_free(open_, here, np.vstack([ends, found[1:]]), keep, permits)
 
 
 def _first_free(
@@ -84,21 +76,6 @@ def _first_free(
         if open_.path_clearance(line).distance >= keep * (1.0 - 1e-9) and permits(line):
             return line
     return None
-
-
-def _to_the_border(
-    closed: Roadmap,
-    here: FloatArray,
-    units: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    need: float,
-) -> FloatArray:
-    for _ in range(WAY_OUT_HALVINGS):
-        middle = 0.5 * (low + high)
-        free = closed.clearance(here + middle[:, None] * units) >= need
-        low, high = np.where(free, low, middle), np.where(free, middle, high)
-    return high
 
 
 def _around(

@@ -14,6 +14,7 @@ from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vision.calibration.calibration import CalibrationError, FloatArray
 from vision.camera.camera import Image
@@ -93,6 +94,22 @@ class BoardView:
     size: tuple[int, int]
     corners_px: FloatArray
     points_m: FloatArray
+
+
+def in_space(points_m: FloatArray) -> FloatArray:
+    """Places (n, 3) of points (n, 2) on the board."""
+    return np.column_stack([points_m, np.zeros(len(points_m))])
+
+
+def common_corners(
+    view: BoardView, other: BoardView
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Indices (n,) in each view of the board's corners that both show, in the other's order."""
+    places = {tuple(p): i for i, p in enumerate(np.round(view.points_m, 6).tolist())}
+    found = [places.get(tuple(p), -1) for p in np.round(other.points_m, 6).tolist()]
+    seen = np.array(found, dtype=np.int64)
+    there = np.flatnonzero(seen >= 0)
+    return seen[there], there
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,17 +20,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibrate.board import BoardView
+from vision.calibrate.board import BoardView, in_space
 from vision.calibration.calibration import CalibrationError, FloatArray
 
 MOST_TERMS = 5
-_TERM_FLAGS = {
+TERM_FLAGS = {
     0: cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
     1: cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
     2: cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
     4: cv2.CALIB_FIX_K3,
     5: 0,
 }
+"""Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags."""
 _ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 1e-9)
 _UNDISTORT_ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-10)
 _FOLDED_PX = 0.05
@@ -140,27 +141,20 @@ def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
     return np.diag((noise_px / np.array(spreads)) ** 2)
 
 
-def known_lens(
-    views: Sequence[BoardView], terms: int = MOST_TERMS, start: KnownLens | None = None
-) -> KnownLens:
-    """Fit lens and precision to views of one size, from ``start``.
+def known_lens(views: Sequence[BoardView], terms: int = MOST_TERMS) -> KnownLens:
+    """Fit lens and precision to views of one size.
 
     Raises ``CalibrationError`` if they determine none.
     """
-    boards = [_space(view) for view in views]
-    flags = _TERM_FLAGS[terms]
-    camera, lens = np.eye(3), np.zeros(5)
-    if start is not None:
-        flags |= cv2.CALIB_USE_INTRINSIC_GUESS
-        camera, lens = start.camera_matrix.copy(), start.distortion.copy()
+    boards = [in_space(view.points_m) for view in views]
     try:
         _, matrix, distortion, turns, shifts = cv2.calibrateCamera(
             [board.astype(np.float32) for board in boards],
             [view.corners_px.astype(np.float32) for view in views],
             views[0].size,
-            camera,
-            lens,
-            flags=flags,
+            np.eye(3),
+            np.zeros(5),
+            flags=TERM_FLAGS[terms],
             criteria=_ROUNDS,
         )
     except cv2.error as error:
@@ -186,7 +180,7 @@ def known_lens(
 def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
     """Addition of a view to ``normal``, through any lens; 0 without a pose."""
     found, turn, shift = cv2.solvePnP(
-        _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
+        in_space(view.points_m), view.corners_px.copy(), lens.camera_matrix, lens.distortion
     )
     if not found:
         return np.zeros_like(lens.normal)
@@ -198,7 +192,7 @@ def information(
     lens: KnownLens, points_m: FloatArray, turn: FloatArray, shift: FloatArray
 ) -> FloatArray:
     """Addition to ``normal`` of board points (n, 2) in a pose, camera from board."""
-    board = np.column_stack([points_m, np.zeros(len(points_m))])
+    board = in_space(points_m)
     _, slopes = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
     return _reduced(slopes, lens.normal.shape[0] - 4)
 
@@ -212,7 +206,3 @@ def _reduced(slopes: NDArray[Any], terms: int) -> FloatArray:
     held = np.linalg.lstsq(by_pose, by_lens, rcond=None)[0]
     rest = by_lens - by_pose @ held
     return np.asarray(rest.T @ rest, dtype=np.float64)
-
-
-def _space(view: BoardView) -> FloatArray:
-    return np.column_stack([view.points_m, np.zeros(len(view.points_m))])

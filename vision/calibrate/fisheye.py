@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.calibrate.board import BoardView
-from vision.calibration.calibration import CalibrationError, FloatArray
+from vision.calibration.calibration import CalibrationError, FloatArray, plane_pose
 
 _FOCAL_SHARES = (0.24, 0.33, 0.46, 0.65, 1.0)
 """First focal lengths, in picture widths: 240 to 57 degrees across."""
@@ -101,10 +101,7 @@ def pose_errors(view: BoardView, camera: FloatArray, terms: FloatArray) -> Float
 
 
 def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | None:
-    """Poses (v, 6) from each board's homography to the rays; None if one fails.
-
-    Zhang, A flexible new technique for camera calibration (2000), 3.1.
-    """
+    """Poses (v, 6) from each board's homography to the rays; None if one fails."""
     found = []
     for view in views:
         seen = (view.corners_px - lens[2:4]) / lens[:2]
@@ -117,11 +114,8 @@ def _first_poses(views: Sequence[BoardView], lens: FloatArray) -> FloatArray | N
         homography, _ = cv2.findHomography(view.points_m[near], rays[near], 0)
         if homography is None or not np.isfinite(homography).all():
             return None
-        h = homography * np.sign(homography[2, 2] or 1.0)
-        scale = 0.5 * float(np.linalg.norm(h[:, 0]) + np.linalg.norm(h[:, 1]))
-        h = h / scale
-        u, _, vt = np.linalg.svd(np.column_stack([h[:, 0], h[:, 1], np.cross(h[:, 0], h[:, 1])]))
-        found.append(np.concatenate([cv2.Rodrigues(u @ vt)[0].ravel(), h[:, 2]]))
+        rotation, shift = plane_pose(np.asarray(homography))
+        found.append(np.concatenate([cv2.Rodrigues(rotation)[0].ravel(), shift]))
     return np.array(found)
 
 

@@ -14,7 +14,7 @@ from typing import Protocol, TypeAlias
 import cv2
 import numpy as np
 
-from vision.calibrate.board import BoardView
+from vision.calibrate.board import BoardView, in_space
 from vision.calibrate.fisheye import pose_errors
 from vision.calibration.calibration import FloatArray
 
@@ -48,7 +48,7 @@ def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
         camera = lens.camera_matrix[[0, 1, 0, 1], [0, 1, 2, 2]]
         errors = pose_errors(view, camera, lens.distortion)
         return np.full_like(view.corners_px, np.inf) if errors is None else errors
-    board = np.column_stack([view.points_m, np.zeros(len(view.points_m))])
+    board = in_space(view.points_m)
     corners = np.ascontiguousarray(view.corners_px, dtype=np.float64)
     try:
         found, turn, shift = cv2.solvePnP(board, corners, lens.camera_matrix, lens.distortion)

@@ -19,7 +19,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibrate.board import BoardView
+from vision.calibrate.board import BoardView, in_space
+from vision.calibrate.covariance import TERM_FLAGS
 from vision.calibrate.fisheye import fit_fisheye
 from vision.calibrate.left_out import Estimate, left_out_px
 from vision.calibrate.suspects import bad_px, compared_with, refuse_too_many, suspects
@@ -32,18 +33,7 @@ _LEAST_TURN_DEG = 8.0
 _GOOD_TURN_DEG = 20.0
 """Largest angle between two boards' planes: parallel planes do not determine the focal length
 (Zhang 2000, 3.2), and the fit's spread does not show it."""
-
-
-_FIX_K = cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3
-_TERMS = {
-    0: _FIX_K | cv2.CALIB_ZERO_TANGENT_DIST,
-    1: cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
-    2: cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
-    4: cv2.CALIB_FIX_K3,
-    5: 0,
-}
-"""Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags."""
-TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
+TERMS = {"brown": tuple(TERM_FLAGS), "fisheye": (0, 1, 2, 4)}
 """Numbers of terms for each model."""
 
 
@@ -233,7 +223,7 @@ def _fit_fisheye(views: Sequence[BoardView], terms: int, start: FloatArray | Non
 
 
 def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
-    boards = [np.column_stack([v.points_m, np.zeros(len(v.points_m))]) for v in views]
+    boards = [in_space(v.points_m) for v in views]
     try:
         rms, matrix, lens, turns, _, spreads, _, view_px = cv2.calibrateCameraExtended(
             [b.astype(np.float32) for b in boards],
@@ -241,7 +231,7 @@ def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
             views[0].size,
             np.eye(3),
             np.zeros(5),
-            flags=_TERMS[terms],
+            flags=TERM_FLAGS[terms],
         )
     except cv2.error as error:
         raise CalibrationError("the lens cannot be estimated from these pictures") from error

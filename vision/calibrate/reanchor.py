@@ -24,6 +24,7 @@ from vision.calibration.calibration import (
     CalibrationError,
     FloatArray,
     nominal_camera_matrix,
+    plane_pose,
 )
 from vision.markers.reading import crossing
 
@@ -165,17 +166,9 @@ def _contradiction(ids: Sequence[int]) -> CalibrationError:
 
 
 def _pose_of(camera: FloatArray, homography: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rotation vector and shift, camera from arena, from a homography to the floor.
-
-    Zhang, A flexible new technique for camera calibration (2000), 3.1 and appendix C.
-    """
-    columns = np.linalg.solve(camera, np.linalg.inv(homography))
-    columns /= (np.linalg.norm(columns[:, 0]) + np.linalg.norm(columns[:, 1])) / 2.0
-    if columns[2, 2] < 0.0:
-        columns = -columns
-    first, second, shift = columns.T
-    u, _, vt = np.linalg.svd(np.stack([first, second, np.cross(first, second)], axis=1))
-    return np.asarray(cv2.Rodrigues(u @ vt)[0], dtype=np.float64), shift.reshape(3, 1)
+    """Rotation vector and shift, camera from arena, from a homography to the floor."""
+    rotation, shift = plane_pose(np.linalg.solve(camera, np.linalg.inv(homography)))
+    return np.asarray(cv2.Rodrigues(rotation)[0], dtype=np.float64), shift.reshape(3, 1)
 
 
 def _refined(

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.calibrate.board import BoardSpec
+from vision.markers.marker_pattern import pattern_bits
 from vision.markers.marker_search import MarkerError, dictionary_by_name
 
 Rectangle = tuple[float, float, float, float]
@@ -151,8 +152,7 @@ def png_bytes(sheet: Sheet) -> bytes:
 
 def _bits(book: cv2.aruco.Dictionary, marker_id: int) -> NDArray[np.bool_]:
     """(n, n) True for a dark cell, with the black border."""
-    picture = np.asarray(cv2.aruco.generateImageMarker(book, marker_id, book.markerSize + 2))
-    return np.asarray(picture == 0, dtype=np.bool_)
+    return np.asarray(pattern_bits(book, marker_id) == 0.0)
 
 
 def _cells(dark: NDArray[np.bool_], cell: float, left: float, top: float) -> tuple[Rectangle, ...]:

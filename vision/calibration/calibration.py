@@ -265,21 +265,26 @@ def nominal_camera_matrix(size: tuple[int, int]) -> FloatArray:
     return np.array([[f, 0.0, (width - 1) / 2.0], [0.0, f, (height - 1) / 2.0], [0.0, 0.0, 1.0]])
 
 
-def camera_center(
-    camera_matrix: FloatArray, arena_from_pixel: FloatArray
-) -> tuple[float, float, float]:
-    """The camera's (x, y, height) in the arena, from its matrix and the floor's homography.
+def plane_pose(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotation (3, 3) and shift (3,), camera from plane, of [r1 r2 t] (3, 3) up to scale.
 
-    Zhang, A flexible new technique for camera calibration (2000): the homography is K [r1 r2 t] up
-    to scale; a singular value decomposition makes the rotation orthonormal.
+    Zhang, A flexible new technique for camera calibration (2000), 3.1 and appendix C: a singular
+    value decomposition makes the rotation orthonormal.
     """
-    columns = np.linalg.solve(camera_matrix, np.linalg.inv(arena_from_pixel))
-    columns /= (np.linalg.norm(columns[:, 0]) + np.linalg.norm(columns[:, 1])) / 2.0
+    columns = columns / ((np.linalg.norm(columns[:, 0]) + np.linalg.norm(columns[:, 1])) / 2.0)
     if columns[2, 2] < 0.0:
         columns = -columns
     first, second, shift = columns.T
     u, _, vt = np.linalg.svd(np.stack([first, second, np.cross(first, second)], axis=1))
-    center = -(u @ vt).T @ shift
+    return np.asarray(u @ vt), np.asarray(shift)
+
+
+def camera_center(
+    camera_matrix: FloatArray, arena_from_pixel: FloatArray
+) -> tuple[float, float, float]:
+    """The camera's (x, y, height) in the arena, from its matrix and the floor's homography."""
+    rotation, shift = plane_pose(np.linalg.solve(camera_matrix, np.linalg.inv(arena_from_pixel)))
+    center = -rotation.T @ shift
     return float(center[0]), float(center[1]), float(center[2])
 
 

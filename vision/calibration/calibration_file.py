@@ -42,10 +42,7 @@ _NO_FLOOR = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
 
 def save_calibration(calibration: Calibration, path: str | Path) -> None:
     """Write a calibration without loss; raises ``CalibrationError`` if that is impossible."""
-    try:
-        Path(path).write_text(calibration_text(calibration), encoding="utf-8")
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be written: {error.strerror}") from error
+    _write(path, calibration_text(calibration))
 
 
 def save_lens(
@@ -66,8 +63,12 @@ def save_lens(
         "lens_rms_px": float(rms_px),
     }
     body = yaml.safe_dump(values, sort_keys=False, default_flow_style=None, width=100)
+    _write(path, _LENS_HEADER + body)
+
+
+def _write(path: str | Path, text: str) -> None:
     try:
-        Path(path).write_text(_LENS_HEADER + body, encoding="utf-8")
+        Path(path).write_text(text, encoding="utf-8")
     except OSError as error:
         raise CalibrationError(f"{path}: cannot be written: {error.strerror}") from error
 

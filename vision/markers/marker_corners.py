@@ -46,27 +46,21 @@ class RefinedQuad:
     error_px: float
 
 
-@dataclass(frozen=True, slots=True)
-class Refused:
-    """Reason why a quadrilateral is not a whole, visible marker."""
-
-    reason: str
-
-
 _REFUSALS = {
-    AT_EDGE: Refused("it touches the picture's edge"),
-    FOLDED: Refused("it lies where the lens folds"),
-    HIDDEN: Refused("a side is partly hidden or has no contrast"),
-    PARALLEL: Refused("two of its sides are parallel"),
-    APART: Refused("its sides do not meet near its corners"),
-    NO_FLOOR: Refused("it lies where no floor is seen"),
-    UNREAD: Refused("its cells are not where its sides are"),
+    AT_EDGE: "it touches the picture's edge",
+    FOLDED: "it lies where the lens folds",
+    HIDDEN: "a side is partly hidden or has no contrast",
+    PARALLEL: "two of its sides are parallel",
+    APART: "its sides do not meet near its corners",
+    NO_FLOOR: "it lies where no floor is seen",
+    UNREAD: "its cells are not where its sides are",
 }
+"""Reasons why a quadrilateral is not a whole, visible marker."""
 
 
 def refine_quad(
     grey: Image, corners_px: FloatArray, cells: int, calibration: Calibration
-) -> RefinedQuad | Refused:
+) -> RefinedQuad | str:
     """Fit and intersect the sides of one marker, or give the reason to refuse it.
 
     ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` along a side with
@@ -80,10 +74,10 @@ def refine_quad(
     return RefinedQuad(ideal, roughness_px, error_px)
 
 
-def why_refused(became: int, roughness_px: float) -> Refused:
+def why_refused(became: int, roughness_px: float) -> str:
     """Put a refusal into words."""
     if became == ROUGH:
-        return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
+        return f"its sides are not straight ({roughness_px:.2f} px)"
     return _REFUSALS[became]
 
 

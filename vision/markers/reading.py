@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
-from vision.markers.marker_corners import Refused, refine_quad, why_refused
+from vision.markers.marker_corners import refine_quad, why_refused
 from vision.markers.marker_kernels import FITTED
 from vision.markers.marker_pattern import pattern_bits
 from vision.markers.marker_place_kernels import see_marker
@@ -187,8 +187,8 @@ def _placed(
     if calibration is None:
         straight = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
         refined = refine_quad(grey, quad, bits.shape[0], straight)
-        if isinstance(refined, Refused):
-            return quad, refined.reason, None, None, None
+        if isinstance(refined, str):
+            return quad, refined, None, None, None
         return straight.distort_points(refined.corners_px), "", None, None, refined.error_px
     corners, corners_px, remark, error_px = np.empty((4, 2)), np.empty((4, 2)), "", None
     view, guess_px = calibration.plane_view(height_m), np.array(quad, dtype=np.float64, order="C")
@@ -196,7 +196,7 @@ def _placed(
     if became == FITTED:
         error_px = max(fit_px, nearest_square(corners)[2] / calibration.metres_per_pixel)
     else:
-        corners_px, remark = quad, why_refused(became, roughness_px).reason
+        corners_px, remark = quad, why_refused(became, roughness_px)
         corners = calibration.arena_from_image(quad, height_m)
         if not np.isfinite(corners).all():
             return quad, remark, None, None, None

@@ -73,7 +73,7 @@ class RobotMarker:
             grey, quad_px, self.bits, view, corners, corners_px
         )
         if became != FITTED:
-            reason = why_refused(became, roughness_px).reason
+            reason = why_refused(became, roughness_px)
             refusals.append(f"marker {self.robot.id}: {reason}")
             return None
         return self._sighting(corners, corners_px, error_px, moves, refusals)

@@ -73,7 +73,7 @@ def test_limits_in_different_units_are_compared_by_the_robots_largest_speed():
     assert not of_kind(
         planner.audit(without, OPEN, 0.2, speed=[SpeedLevel(area, 50.0)]), "edge_too_fast"
     )
-    with pytest.raises(ValueError, match="max_speed_m_s = 0: must be > 0"):
+    with pytest.raises(ValueError, match=r"max_speed_m_s = 0\.0: must be > 0"):
         planner.audit(percent, OPEN, 0.2, max_speed_m_s=0.0)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from planner.formats.scene_io import read_scene_text
 from planner.roadmap.roadmap import Roadmap, build_roadmap
-from planner.roadmap.roadmap_export import ExchangeError, to_geojson, to_graphml, to_node_link
+from planner.roadmap.roadmap_export import ExchangeError, as_text
 from tests.support.oracles.nav2_graph import NoValidGraphError, load_graph
 
 SCENE = (
@@ -33,7 +33,7 @@ def strict(text: str) -> dict:
 
 
 def test_node_link_json_holds_the_graph(roadmap):
-    graph = nx.node_link_graph(strict(to_node_link(roadmap)), edges="edges")
+    graph = nx.node_link_graph(strict(as_text(roadmap, ".json")), edges="edges")
     assert set(graph.nodes) == set(roadmap.graph.nodes)
     assert {frozenset(e) for e in graph.edges} == {frozenset(e) for e in roadmap.graph.edges}
     for n, data in roadmap.graph.nodes(data=True):
@@ -46,7 +46,7 @@ def test_node_link_json_holds_the_graph(roadmap):
 
 
 def test_graphml_is_read_back_by_networkx(roadmap):
-    graph = nx.parse_graphml(to_graphml(roadmap), node_type=int)
+    graph = nx.parse_graphml(as_text(roadmap, ".graphml"), node_type=int)
     assert nx.is_isomorphic(graph, roadmap.graph)
     for u, v, data in roadmap.graph.edges(data=True):
         assert graph[u][v]["clearance"] == data["clearance"]
@@ -55,7 +55,7 @@ def test_graphml_is_read_back_by_networkx(roadmap):
 
 
 def test_geojson_follows_the_rules_of_nav2s_route_server(roadmap):
-    document = strict(to_geojson(roadmap, frame="arena"))
+    document = strict(as_text(roadmap, ".geojson", frame="arena"))
     assert document["type"] == "FeatureCollection"
     nodes = [f for f in document["features"] if f["geometry"]["type"] == "Point"]
     edges = [f for f in document["features"] if f["geometry"]["type"] == "MultiLineString"]
@@ -73,7 +73,7 @@ def test_geojson_follows_the_rules_of_nav2s_route_server(roadmap):
 
 
 def test_every_straight_piece_for_nav2_keeps_the_robots_radius(roadmap):
-    document = strict(to_geojson(roadmap))
+    document = strict(as_text(roadmap, ".geojson"))
     place = {
         f["properties"]["id"]: f["geometry"]["coordinates"]
         for f in document["features"]
@@ -95,7 +95,7 @@ def test_every_straight_piece_for_nav2_keeps_the_robots_radius(roadmap):
 
 
 def test_route_server_finds_ways_over_the_graph_and_back(roadmap):
-    nodes = load_graph(to_geojson(roadmap, frame="arena"))
+    nodes = load_graph(as_text(roadmap, ".geojson", frame="arena"))
     assert {node.frame for node in nodes.values()} == {"arena"}
     graph = nx.DiGraph()
     for node in nodes.values():
@@ -119,7 +119,7 @@ def test_route_server_finds_ways_over_the_graph_and_back(roadmap):
     [('"startid": ', '"startid": 99'), ('"id": ', '"id": -'), ('"Point"', '"Polygon"')],
 )
 def test_reader_for_route_graphs_refuses_what_the_server_would(roadmap, old, new):
-    text = to_geojson(roadmap)
+    text = as_text(roadmap, ".geojson")
     assert load_graph(text)
     with pytest.raises(NoValidGraphError):
         load_graph(text.replace(old, new))
@@ -128,11 +128,11 @@ def test_reader_for_route_graphs_refuses_what_the_server_would(roadmap, old, new
 @pytest.mark.parametrize("form", ["graphml", "node-link"])
 def test_nothing_is_lost_on_the_way_through_a_file(roadmap, form):
     if form == "graphml":
-        graph = nx.parse_graphml(to_graphml(roadmap), node_type=int)
+        graph = nx.parse_graphml(as_text(roadmap, ".graphml"), node_type=int)
         owners = lambda text: tuple(int(o) for o in text.split())  # noqa: E731
         line = lambda text: [[float(v) for v in p.split(",")] for p in text.split()]  # noqa: E731
     else:
-        graph = nx.node_link_graph(strict(to_node_link(roadmap)), edges="edges")
+        graph = nx.node_link_graph(strict(as_text(roadmap, ".json")), edges="edges")
         owners, line = tuple, list
     assert set(graph.nodes) == set(roadmap.graph.nodes)
     for n, data in roadmap.graph.nodes(data=True):
@@ -147,7 +147,7 @@ def test_nothing_is_lost_on_the_way_through_a_file(roadmap, form):
 
 
 def test_geojson_connects_what_the_roadmap_connects(roadmap):
-    document = strict(to_geojson(roadmap))
+    document = strict(as_text(roadmap, ".geojson"))
     graph = nx.DiGraph()
     for feature in document["features"]:
         if feature["geometry"]["type"] == "Point":
@@ -163,9 +163,9 @@ def test_a_roadmap_without_edges_is_refused_for_nav2_and_empty_elsewhere():
     tight = build_roadmap(read_scene_text(SCENE), 5.0)
     assert tight.graph.number_of_edges() == 0
     with pytest.raises(ExchangeError, match="no edges"):
-        to_geojson(tight)
-    assert strict(to_node_link(tight))["edges"] == []
-    assert nx.parse_graphml(to_graphml(tight)).number_of_edges() == 0
+        as_text(tight, ".geojson")
+    assert strict(as_text(tight, ".json"))["edges"] == []
+    assert nx.parse_graphml(as_text(tight, ".graphml")).number_of_edges() == 0
 
 
 def test_no_edge_of_a_nav2_graph_has_the_length_0():
@@ -180,7 +180,7 @@ def test_no_edge_of_a_nav2_graph_has_the_length_0():
     graph.add_edge(twin, v, **doubled)
     here = np.array([graph.nodes[u]["pos"]] * 2)
     graph.add_edge(u, twin, **(data | {"polyline": here, "length": 0.0}))
-    text = to_geojson(roadmap)
+    text = as_text(roadmap, ".geojson")
     lengths = [
         feature["properties"]["metadata"]["length"]
         for feature in strict(text)["features"]
@@ -198,19 +198,19 @@ def test_no_edge_of_a_nav2_graph_has_the_length_0():
 
 
 def test_a_nav2_graph_says_its_crs_and_the_date_that_it_is_given(roadmap):
-    document = strict(to_geojson(roadmap, generated="2026-11-23T07:00:00+00:00"))
+    document = strict(as_text(roadmap, ".geojson", generated="2026-11-23T07:00:00+00:00"))
     assert document["crs"]["properties"]["name"].startswith("urn:ogc:def:crs:")
     assert document["date_generated"] == "2026-11-23T07:00:00+00:00"
-    assert "date_generated" not in strict(to_geojson(roadmap))
+    assert "date_generated" not in strict(as_text(roadmap, ".geojson"))
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
-    [("r.graphml", to_graphml), ("r.GeoJSON", to_geojson), ("r.json", to_node_link)],
+    ("name", "suffix"),
+    [("r.graphml", ".graphml"), ("r.GeoJSON", ".geojson"), ("r.json", ".json")],
 )
-def test_a_roadmap_saves_itself_by_the_suffix(roadmap, tmp_path, name, text):
+def test_a_roadmap_saves_itself_by_the_suffix(roadmap, tmp_path, name, suffix):
     roadmap.save(tmp_path / name)
-    assert (tmp_path / name).read_text() == text(roadmap)
+    assert (tmp_path / name).read_text() == as_text(roadmap, suffix)
 
 
 def test_a_file_that_cannot_be_is_refused(roadmap, tmp_path):

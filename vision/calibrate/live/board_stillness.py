@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from vision.calibrate.board import BoardView
+from vision.calibrate.board import BoardView, common_corners
 
 STILL_S: Final = 0.5
 """Longer than a hand passes a place, shorter than one can hold a board."""
@@ -56,15 +56,9 @@ def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None
 
     An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
     """
-    places = {tuple(point): i for i, point in enumerate(np.round(before.points_m, 6).tolist())}
-    pairs = [
-        (places[key], i)
-        for i, point in enumerate(np.round(after.points_m, 6).tolist())
-        if (key := tuple(point)) in places
-    ]
-    if len(pairs) < FEWEST_CORNERS:
+    here, there = common_corners(before, after)
+    if len(here) < FEWEST_CORNERS:
         return None
-    here, there = (np.array(column) for column in zip(*pairs, strict=True))
     start = before.corners_px[here]
     steps = after.corners_px[there] - start
     basis = np.column_stack([start - start.mean(axis=0), np.ones(len(start))])

@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibrate.board import BoardSpec, BoardView
+from vision.calibrate.board import BoardSpec, BoardView, common_corners, in_space
 from vision.calibrate.covariance import KnownLens, information
 from vision.calibration.calibration import FloatArray
 
@@ -93,15 +93,9 @@ def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
 
 
 def _apart_px(view: BoardView, other: BoardView) -> float:
-    places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
-    pairs = [
-        (i, places[key])
-        for i, point in enumerate(np.round(view.points_m, 6).tolist())
-        if (key := tuple(point)) in places
-    ]
-    if len(pairs) < 4:
+    there, here = common_corners(other, view)
+    if len(here) < 4:
         return math.inf
-    here, there = (np.array(column) for column in zip(*pairs, strict=True))
     steps = view.corners_px[here] - other.corners_px[there]
     return float(np.linalg.norm(steps, axis=1).mean())
 
@@ -177,8 +171,7 @@ def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
 def _project(
     lens: KnownLens, points: FloatArray, turn: FloatArray, shift: FloatArray
 ) -> FloatArray:
-    board = np.column_stack([points, np.zeros(len(points))])
-    seen, _ = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
+    seen, _ = cv2.projectPoints(in_space(points), turn, shift, lens.camera_matrix, lens.distortion)
     return np.asarray(seen.reshape(-1, 2), dtype=np.float64)
 
 

@@ -28,7 +28,7 @@ from vision.calibrate.lens import estimate_for
 from vision.calibrate.live.board_stillness import BoardStillness
 from vision.calibrate.live.following import BoardFollower
 from vision.calibrate.live.guide import Cells, HeldPose, Wanted, is_new, judge_cells, next_place
-from vision.calibrate.suspects import suspects
+from vision.calibrate.suspects import bad_px, suspects
 from vision.calibration.calibration import CalibrationError
 from vision.camera.camera import Frame, Image
 
@@ -40,7 +40,6 @@ FEWEST_VIEWS: Final = 6
 MOST_VIEWS: Final = 60
 """More bring little: a bent board stays."""
 _FITTED_FROM: Final = 3
-_BAD_PX, _BAD_FACTOR = 0.5, 3.0
 _DOUBTS: Final = 3
 _USABLE_FOCAL: Final = 0.2
 """Relative spread of the focal length from which a supposed lens guides as well."""
@@ -158,7 +157,7 @@ class LiveSession:
             return ""
         usual_px = math.sqrt(2.0) * self._lens.noise_px
         unknown_px = float(self._lens.sigma_px(view.corners_px).max())
-        limit_px = max(_BAD_PX, _BAD_FACTOR * math.hypot(usual_px, unknown_px))
+        limit_px = bad_px(math.hypot(usual_px, unknown_px))
         off_px = rms_px(residuals_px(view, self._lens))
         if off_px <= limit_px:
             return ""
