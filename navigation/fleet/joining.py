@@ -51,7 +51,10 @@ from planner.scene import FloatArray, Scene
 from planner.shared.search_clock import Clock, search_clock_s
 
 TIME_LIMIT_S: Final = 1.0
-"""For moving others aside. Meanwhile no robot gets more waypoints; it usually has 2 m, or 8 s."""
+"""For all goals of a request: meanwhile no robot gets more waypoints. It usually has 2 m, or 8 s,
+and stops at their end."""
+LEAST_SHARE_S: Final = 0.1
+"""For each goal at least, however many there are: chosen, a path among promises takes less."""
 
 
 class CannotJoinError(Exception):
@@ -70,13 +73,18 @@ class _Party:
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
     clock: Clock
-    """Limits each search."""
+    end_s: float
+    """Time on the clock at which all searches should be over."""
     cause: Callable[[Traveller], str]
     """End of the sentence that refuses a robot even alone: the taken places it depends on."""
 
     @property
     def standing(self) -> tuple[Traveller, ...]:
         return (*self.asking, *self.idle)
+
+    def share_s(self, searches: int) -> float:
+        """Time for the next search, with this many still to come, itself included."""
+        return max(LEAST_SHARE_S, (self.end_s - self.clock()) / searches)
 
     @property
     def names(self) -> list[str]:
@@ -97,19 +105,20 @@ def join_promises(
 ) -> FleetAnswer:
     """Make promises for robots that ask, and gates for driving ones.
 
-    ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits each search.
+    ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits the searches, all together.
     """
     taken, out = request.taken, dict[str, str]()
+    end_s = clock() + TIME_LIMIT_S
 
     def cause(one: Traveller) -> str:
-        return in_the_way(roadmap, scene, [one], taken, keep_m, clock)
+        return in_the_way(roadmap, scene, [one], taken, keep_m, clock, end_s)
 
     while True:
         asking, idle = (
             tuple(one for one in standing if one.name not in out)
             for standing in (request.travellers, request.idle)
         )
-        party = _Party(request.driving, asking, idle, clock, cause)
+        party = _Party(request.driving, asking, idle, clock, end_s, cause)
         everybody = [*(one.as_traveller for one in party.driving), *party.standing]
         here = roadmap.updated(with_taken(scene, taken, everybody)) if taken else roadmap
         try:
@@ -178,7 +187,8 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
     refused: dict[int, NoFleetPlan] = {}
     may_move = {*range(first + len(party.asking), len(names))}
     for k, goal in goals.items():
-        found = _with_goals_at_once(schedule, {k: goal}, sent, party, {*may_move, k})
+        limit_s = party.share_s(first + len(party.asking) - k + (len(goals) > 1))
+        found = _with_goals_at_once(schedule, {k: goal}, sent, party, {*may_move, k}, limit_s)
         if isinstance(found, NoFleetPlan):
             refused[k] = found
         else:
@@ -186,7 +196,8 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
             schedule, sent = found, list(found.sent)
     together = {k: goals[k] for k, why in refused.items() if why.blocking != (k,)}
     if len(together) > 1:
-        found = _with_goals_at_once(schedule, together, sent, party, {*may_move, *together})
+        moving, limit_s = {*may_move, *together}, party.share_s(1)
+        found = _with_goals_at_once(schedule, together, sent, party, moving, limit_s)
         if isinstance(found, FleetSchedule):
             schedule = found
             refused = {k: why for k, why in refused.items() if k not in together}
@@ -202,10 +213,11 @@ def _with_goals_at_once(
     sent: Sequence[int],
     party: _Party,
     may_move: Container[int],
+    limit_s: float,
 ) -> FleetSchedule | NoFleetPlan:
     """Add goals at once, if no robot outside ``may_move`` has to step aside."""
     try:
-        found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S, clock=party.clock)
+        found = schedule.with_goals(goals, sent=sent, time_limit_s=limit_s, clock=party.clock)
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
     if isinstance(found, NoFleetPlan):

@@ -163,12 +163,13 @@ def in_the_way(
     taken: Sequence[Taken],
     keep_m: float,
     clock: Clock,
+    latest_s: float = math.inf,
 ) -> str:
     """End of the sentence that refuses these travellers: the taken places it depends on.
 
-    Empty if that is not known within ``CAUSE_S``.
+    Empty if that is not known within ``CAUSE_S``, or at ``latest_s`` on the clock.
     """
-    end_s = clock() + CAUSE_S
+    end_s = min(clock() + CAUSE_S, latest_s)
 
     def is_refused(names: Sequence[str]) -> bool:
         here = _around(roadmap, scene, [one for one in taken if one.name in names], moving)
