@@ -13,7 +13,7 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -23,11 +23,11 @@ from navigation.fleet.planning import (
     OVERLAP_M,
     PIECE_M,
     SLACK_M,
+    Attempt,
     in_the_way,
     make_promise,
     point_numbers,
     rules_of,
-    with_taken,
 )
 from navigation.fleet.refusals import listed, with_names
 from navigation.fleet.request import (
@@ -36,7 +36,6 @@ from navigation.fleet.request import (
     FleetRequest,
     Gate,
     Promise,
-    Taken,
     Traveller,
 )
 from navigation.fleet.rounding import CutTrack, rounded
@@ -51,10 +50,8 @@ from planner.scene import FloatArray, Scene
 from planner.shared.search_clock import Clock, search_clock_s
 
 TIME_LIMIT_S: Final = 1.0
-"""For all goals of a request: meanwhile no robot gets more waypoints. It usually has 2 m, or 8 s,
-and stops at their end."""
-LEAST_SHARE_S: Final = 0.1
-"""For each goal at least, however many there are: chosen, a path among promises takes less."""
+"""For each goal, and once more for those refused, together. Meanwhile no robot gets more waypoints;
+it usually has 2 m, or 8 s, and stops at their end. A shorter limit refuses some for good."""
 
 
 class CannotJoinError(Exception):
@@ -72,19 +69,12 @@ class _Party:
     driving: tuple[Driving, ...]
     asking: tuple[Traveller, ...]
     idle: tuple[Traveller, ...]
-    clock: Clock
-    end_s: float
-    """Time on the clock at which all searches should be over."""
-    cause: Callable[[Traveller], str]
-    """End of the sentence that refuses a robot even alone: the taken places it depends on."""
+    attempt: Attempt
+    """All of them, with what each search needs."""
 
     @property
     def standing(self) -> tuple[Traveller, ...]:
         return (*self.asking, *self.idle)
-
-    def share_s(self, searches: int) -> float:
-        """Time for the next search, with this many still to come, itself included."""
-        return max(LEAST_SHARE_S, (self.end_s - self.clock()) / searches)
 
     @property
     def names(self) -> list[str]:
@@ -105,49 +95,38 @@ def join_promises(
 ) -> FleetAnswer:
     """Make promises for robots that ask, and gates for driving ones.
 
-    ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits the searches, all together.
+    ``roadmap`` is the smallest robot's in ``scene``; ``clock`` limits each search.
     """
     taken, out = request.taken, dict[str, str]()
-    end_s = clock() + TIME_LIMIT_S
-
-    def cause(one: Traveller) -> str:
-        return in_the_way(roadmap, scene, [one], taken, keep_m, clock, end_s)
-
     while True:
         asking, idle = (
             tuple(one for one in standing if one.name not in out)
             for standing in (request.travellers, request.idle)
         )
-        party = _Party(request.driving, asking, idle, clock, end_s, cause)
-        everybody = [*(one.as_traveller for one in party.driving), *party.standing]
-        here = roadmap.updated(with_taken(scene, taken, everybody)) if taken else roadmap
+        everybody = (*(one.as_traveller for one in request.driving), *asking, *idle)
+        attempt = Attempt(roadmap, scene, everybody, taken, keep_m, clock)
         try:
-            answer = _join(here, party, everybody, request, keep_m)
+            answer = _join(_Party(request.driving, asking, idle, attempt), request)
         except CannotJoinError as error:
             return FleetAnswer(request.id, request.scene_revision, {}, {}, cannot=str(error))
         except _CannotDriveError as error:  # it stays in place, and the others are tried again
             one = error.one
             out[one.name] = str(error)
-            taken = (*taken, Taken(one.name, one.start[0], one.start[1], one.radius_m))
+            taken = (*taken, one.as_taken)
             continue
         asked = {one.name for one in request.travellers}
         refused = {name: why for name, why in out.items() if name in asked}
         return replace(answer, refused={**answer.refused, **refused})
 
 
-def _join(
-    here: Roadmap,
-    party: _Party,
-    everybody: Sequence[Traveller],
-    request: FleetRequest,
-    keep_m: float,
-) -> FleetAnswer:
-    sizes = _sizes(here, party, keep_m)
+def _join(party: _Party, request: FleetRequest) -> FleetAnswer:
+    here = party.attempt.around_taken()
+    sizes = _sizes(here, party)
     first = len(party.driving)
-    schedule, refused = _with_goals(_promised(here, party, everybody, sizes), party)
+    schedule, refused = _with_goals(_promised(here, party, sizes), party)
     if not any(one.name not in refused for one in party.asking):
         return FleetAnswer(request.id, request.scene_revision, {}, refused)
-    tracks, waits = _in_pieces(here, schedule, everybody, first, sizes)
+    tracks, waits = _in_pieces(here, schedule, party, sizes)
     numbers = [point_numbers(track.targets) for track in tracks]
     gates = _gates(party, numbers, waits)
     promises: dict[str, Promise] = {}
@@ -187,8 +166,7 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
     refused: dict[int, NoFleetPlan] = {}
     may_move = {*range(first + len(party.asking), len(names))}
     for k, goal in goals.items():
-        limit_s = party.share_s(first + len(party.asking) - k + (len(goals) > 1))
-        found = _with_goals_at_once(schedule, {k: goal}, sent, party, {*may_move, k}, limit_s)
+        found = _with_goals_at_once(schedule, {k: goal}, sent, party, {*may_move, k})
         if isinstance(found, NoFleetPlan):
             refused[k] = found
         else:
@@ -196,12 +174,14 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
             schedule, sent = found, list(found.sent)
     together = {k: goals[k] for k, why in refused.items() if why.blocking != (k,)}
     if len(together) > 1:
-        moving, limit_s = {*may_move, *together}, party.share_s(1)
-        found = _with_goals_at_once(schedule, together, sent, party, moving, limit_s)
+        found = _with_goals_at_once(schedule, together, sent, party, {*may_move, *together})
         if isinstance(found, FleetSchedule):
             schedule = found
             refused = {k: why for k, why in refused.items() if k not in together}
-    alone = {k: party.cause(party.asking[k - first]) for k in refused.keys() - together.keys()}
+    alone = {
+        k: in_the_way(replace(party.attempt, moving=(party.asking[k - first],)))
+        for k in refused.keys() - together.keys()
+    }
     return schedule, {
         names[k]: with_names(why.reason, names) + alone.get(k, "") for k, why in refused.items()
     }
@@ -213,11 +193,12 @@ def _with_goals_at_once(
     sent: Sequence[int],
     party: _Party,
     may_move: Container[int],
-    limit_s: float,
 ) -> FleetSchedule | NoFleetPlan:
     """Add goals at once, if no robot outside ``may_move`` has to step aside."""
     try:
-        found = schedule.with_goals(goals, sent=sent, time_limit_s=limit_s, clock=party.clock)
+        found = schedule.with_goals(
+            goals, sent=sent, time_limit_s=TIME_LIMIT_S, clock=party.attempt.clock
+        )
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
     if isinstance(found, NoFleetPlan):
@@ -230,9 +211,7 @@ def _with_goals_at_once(
     return NoFleetPlan(f"the path is free once {who} {has} arrived", aside, proved=False)
 
 
-def _promised(
-    here: Roadmap, party: _Party, everybody: Sequence[Traveller], sizes: Sequence[float]
-) -> FleetSchedule:
+def _promised(here: Roadmap, party: _Party, sizes: Sequence[float]) -> FleetSchedule:
     """Present promises as the planner's schedule; time zero is now."""
     names, offsets = party.names, party.offsets
     tracks = [_timed(one) for one in party.driving]
@@ -252,8 +231,8 @@ def _promised(
             here,
             plan,
             list(sizes),
-            [one.limits for one in everybody],
-            [one.zones for one in everybody],
+            [one.limits for one in party.attempt.moving],
+            [one.zones for one in party.attempt.moving],
         )
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
@@ -266,7 +245,7 @@ def _timed(one: Driving) -> FloatArray:
     return np.column_stack([times_s, points])
 
 
-def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
+def _sizes(here: Roadmap, party: _Party) -> list[float]:
     """Radii with their promised margins, or with what fits."""
     sizes = []
     for one in party.driving:
@@ -278,16 +257,15 @@ def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
         if room_m < radius_m - OVERLAP_M:
             raise CannotJoinError(f"the path of {one.promise.name} is not free any more")
         sizes.append(min(radius_m + one.promise.margin_m, room_m))
-    margins = [_margin_m(here, one, party, sizes, keep_m) for one in party.standing]
+    margins = [_margin_m(here, one, party, sizes) for one in party.standing]
     more = [one.radius_m + m for one, m in zip(party.standing, margins, strict=True)]
     return [*sizes, *more]
 
 
-def _margin_m(
-    here: Roadmap, one: Traveller, party: _Party, sizes: Sequence[float], keep_m: float
-) -> float:
+def _margin_m(here: Roadmap, one: Traveller, party: _Party, sizes: Sequence[float]) -> float:
     ends = np.array([one.start[:2], (one.station.x, one.station.y)])
-    margin_m = min(0.5 * keep_m, float(here.clearance(ends).min()) - one.radius_m - SLACK_M)
+    room_m = float(here.clearance(ends).min()) - one.radius_m - SLACK_M
+    margin_m = min(0.5 * party.attempt.keep_m, room_m)
     for driving, size in zip(party.driving, sizes, strict=False):
         rest = driving.promise.points[driving.executed :]
         past_m = distance_to_polyline(rest, one.start[:2]) - size - one.radius_m
@@ -303,17 +281,13 @@ def _margin_m(
 
 
 def _in_pieces(
-    here: Roadmap,
-    schedule: FleetSchedule,
-    everybody: Sequence[Traveller],
-    first: int,
-    sizes: Sequence[float],
+    here: Roadmap, schedule: FleetSchedule, party: _Party, sizes: Sequence[float]
 ) -> tuple[list[CutTrack], Sequence[Dependency]]:
     """Cut new tracks into short pieces if the order still takes back nothing sent.
 
     Corners are rounded for robots that cannot turn at them.
     """
-    plan = schedule.plan
+    plan, everybody, first = schedule.plan, party.attempt.moving, len(party.driving)
     rules = rules_of(here, [one.zones for one in everybody], sizes)
     whole = [CutTrack.whole(track) for track in plan.tracks]
     pieces = [*whole[:first], *(CutTrack.of(track, PIECE_M) for track in plan.tracks[first:])]

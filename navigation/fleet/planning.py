@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
 
@@ -31,7 +31,7 @@ from navigation.fleet.request import (
 )
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
-from navigation.mission.targets import Target, begin_as_it_stands, within_caps
+from navigation.mission.targets import Target, drop_steered_heading, within_caps
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before
@@ -64,6 +64,33 @@ ROUNDS: Final = 10
 NOT_LIVE: Final = "every plan that was found has robots wait for each other in a ring"
 
 
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """Robots that are to move together, and the places that others keep meanwhile.
+
+    ``roadmap`` is the smallest robot's in ``scene``; bodies are to be ``keep_m`` apart, and
+    ``clock`` limits each search.
+    """
+
+    roadmap: Roadmap
+    scene: Scene
+    moving: tuple[Traveller, ...]
+    taken: tuple[Taken, ...]
+    keep_m: float
+    clock: Clock
+
+    def around_taken(self) -> Roadmap:
+        """Roadmap with the taken places as round obstacles."""
+        if not self.taken:
+            return self.roadmap
+        return self.roadmap.updated(with_taken(self.scene, self.taken, self.moving))
+
+    def without(self, out: Traveller) -> Attempt:
+        """The same with one robot that keeps its place instead."""
+        moving = tuple(one for one in self.moving if one is not out)
+        return replace(self, moving=moving, taken=(*self.taken, out.as_taken))
+
+
 def plan_promises(
     roadmap: Roadmap,
     scene: Scene,
@@ -76,11 +103,13 @@ def plan_promises(
     If robots at rest without a mission block one, they step aside and come back. ``roadmap`` is the
     smallest robot's in ``scene``; ``clock`` limits each search.
     """
-    idle = [Taken(one.name, one.start[0], one.start[1], one.radius_m) for one in request.idle]
-    answer = _plan_for(roadmap, scene, request, [*request.taken, *idle], (), keep_m, clock)
-    if not answer.refused or not idle:
+    taken = (*request.taken, *(one.as_taken for one in request.idle))
+    first = Attempt(roadmap, scene, request.travellers, taken, keep_m, clock)
+    answer = _plan_for(request, first)
+    if not answer.refused or not request.idle:
         return answer
-    more = _plan_for(roadmap, scene, request, request.taken, request.idle, keep_m, clock)
+    everybody = (*request.travellers, *request.idle)
+    more = _plan_for(request, replace(first, moving=everybody, taken=request.taken))
     asked = {one.name for one in request.travellers}
     if len(asked & more.refused.keys()) >= len(answer.refused):
         return answer
@@ -94,50 +123,35 @@ def plan_promises(
     return FleetAnswer(request.id, request.scene_revision, promises, refused)
 
 
-def _plan_for(
-    roadmap: Roadmap,
-    scene: Scene,
-    request: FleetRequest,
-    kept: Sequence[Taken],
-    idle: Sequence[Traveller],
-    keep_m: float,
-    clock: Clock,
-) -> FleetAnswer:
-    moving, taken = [*request.travellers, *idle], list(kept)
+def _plan_for(request: FleetRequest, attempt: Attempt) -> FleetAnswer:
+    """Promises for as many as can move, the others left out one by one."""
     refused: dict[str, str] = {}
-    while moving:
-        found = _try(roadmap, scene, moving, taken, keep_m, clock)
+    while attempt.moving:
+        found = _try(attempt)
         if isinstance(found, dict):
             return FleetAnswer(request.id, request.scene_revision, found, refused)
-        blocking, reason = found
-        out = moving.pop(blocking)
+        out, reason = found
         refused[out.name] = reason
-        taken.append(Taken(out.name, out.start[0], out.start[1], out.radius_m))
+        attempt = attempt.without(out)
     return FleetAnswer(request.id, request.scene_revision, {}, refused)
 
 
-def _try(
-    roadmap: Roadmap,
-    scene: Scene,
-    moving: Sequence[Traveller],
-    taken: Sequence[Taken],
-    keep_m: float,
-    clock: Clock,
-) -> dict[str, Promise] | tuple[int, str]:
+def _try(attempt: Attempt) -> dict[str, Promise] | tuple[Traveller, str]:
     """Promises, or the one to leave out and why."""
-    for i, one in enumerate(moving):
-        for other in taken:
+    moving = attempt.moving
+    for one in moving:
+        for other in attempt.taken:
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
             if gap_m < one.radius_m + other.radius_m:
-                return i, f"{other.name} is at its goal"
-    here = _around(roadmap, scene, taken, moving)
-    found = _ordered(here, moving, keep_m, clock)
+                return one, f"{other.name} is at its goal"
+    here = attempt.around_taken()
+    found = _ordered(here, attempt)
     if isinstance(found, NoFleetPlan):
         who = found.blocking or tuple(range(len(moving)))
         reason = with_names(found.reason, [one.name for one in moving])
         if found.proved:
-            reason += in_the_way(roadmap, scene, [moving[i] for i in who], taken, keep_m, clock)
-        return who[-1], reason
+            reason += in_the_way(replace(attempt, moving=tuple(moving[i] for i in who)))
+        return moving[who[-1]], reason
     tracks, waits, sizes = found
     promises = {}
     numbers = [point_numbers(track.targets) for track in tracks]
@@ -152,28 +166,22 @@ def _try(
         try:
             promises[one.name] = make_promise(here, one, tracks[j], gates, margin_m)
         except TrajectoryError as error:
-            return j, str(error)
+            return one, str(error)
     return promises
 
 
-def in_the_way(
-    roadmap: Roadmap,
-    scene: Scene,
-    moving: Sequence[Traveller],
-    taken: Sequence[Taken],
-    keep_m: float,
-    clock: Clock,
-    latest_s: float = math.inf,
-) -> str:
-    """End of the sentence that refuses these travellers: the taken places it depends on.
+def in_the_way(attempt: Attempt) -> str:
+    """End of the sentence that refuses an attempt's robots: the taken places it depends on.
 
-    Empty if that is not known within ``CAUSE_S``, or at ``latest_s`` on the clock.
+    Empty if that is not known within ``CAUSE_S``.
     """
-    end_s = min(clock() + CAUSE_S, latest_s)
+    moving, clock = attempt.moving, attempt.clock
+    end_s = clock() + CAUSE_S
 
     def is_refused(names: Sequence[str]) -> bool:
-        here = _around(roadmap, scene, [one for one in taken if one.name in names], moving)
-        sizes = _sizes(here, moving, LESS_ROOM * keep_m)
+        named = tuple(one for one in attempt.taken if one.name in names)
+        here = replace(attempt, taken=named).around_taken()
+        sizes = _sizes(here, moving, LESS_ROOM * attempt.keep_m)
         left_s = end_s - clock()
         plan = _plan(here, moving, sizes, clock, time_limit_s=left_s) if left_s > 0.0 else None
         if plan is None or (isinstance(plan, NoFleetPlan) and not plan.proved):
@@ -181,15 +189,9 @@ def in_the_way(
         return isinstance(plan, NoFleetPlan)
 
     try:
-        return because_of((one.name for one in taken), is_refused)
+        return because_of((one.name for one in attempt.taken), is_refused)
     except TimeoutError:
         return ""
-
-
-def _around(
-    roadmap: Roadmap, scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]
-) -> Roadmap:
-    return roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
 
 
 def _plan(
@@ -215,16 +217,17 @@ def _plan(
 
 
 def _ordered(
-    here: Roadmap, moving: Sequence[Traveller], keep_m: float, clock: Clock
+    here: Roadmap, attempt: Attempt
 ) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
     """Tracks in short pieces, a live order at shared places, and the radii planned with.
 
     Without a live order, less distance between bodies is tried, then other seeds.
     """
+    moving, clock = attempt.moving, attempt.clock
     refused: NoFleetPlan | None = None
     zones = [one.zones for one in moving]
     for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
-        sizes = _sizes(here, moving, share * keep_m)
+        sizes = _sizes(here, moving, share * attempt.keep_m)
         plan = _plan(here, moving, sizes, clock, seed)
         if isinstance(plan, FleetPlan):
             rules = rules_of(here, zones, sizes)
@@ -271,7 +274,7 @@ def make_promise(
         driven = path_of(here, smooth, one)
         if not one.limits.turns_on_spot:
             headings = (one.start[2], *driven.headings_rad[1:])
-            driven = begin_as_it_stands(replace(driven, headings_rad=headings))
+            driven = drop_steered_heading(replace(driven, headings_rad=headings))
         trajectory = planner.time_path(
             driven,
             one.limits,
