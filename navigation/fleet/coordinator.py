@@ -129,7 +129,9 @@ class Coordinator:
             for name, why in self._refusals.reasons.items()
             if name in self._open and name not in answers and self._gathering_s is None
         }
-        waits, waits_for = waits_of(members, self.held, refused, self._giving_way.aside)
+        waits, waits_for = waits_of(
+            members, self.held, refused, self._giving_way.aside, self._asked
+        )
         lines = {name: one.points[1:] for name, one in self._giving_way.aside.items()}
         runaways = [one.name for one in self._runaways]
         holds = holds_of(members, self.held, lines, runaways) | dict(aside.holds)

@@ -50,7 +50,8 @@ from planner.scene import FloatArray, Scene
 from planner.shared.search_clock import Clock, search_clock_s
 
 TIME_LIMIT_S: Final = 1.0
-"""For moving others aside. Meanwhile no robot gets more waypoints; it usually has 2 m, or 8 s."""
+"""For each goal, and once more for those refused, together. Meanwhile no robot gets more waypoints;
+it usually has 2 m, or 8 s, and stops at their end. A shorter limit refuses some for good."""
 
 
 class CannotJoinError(Exception):

@@ -44,10 +44,12 @@ def waits_of(
     held: Mapping[str, Held],
     refused: Mapping[str, str],
     aside: Container[str],
+    asked: FleetRequest | None = None,
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Sentences of waiting robots, and the one robot each of them waits for, if any.
 
-    ``refused`` have no path yet; a robot driving ``aside`` waits for none.
+    ``refused`` have no path yet; a robot driving ``aside`` waits for none. Until ``asked`` is
+    answered, robots that drive stop where their waypoints end.
     """
     waits = {name: f"has no path yet: {why}" for name, why in refused.items()}
     waits_for = {}
@@ -60,6 +62,9 @@ def waits_of(
             why = members[gate.other].waits_because if gate.other in members else "is gone"
             waits[name] = f"waits at ({x:.2f}, {y:.2f}) m for {gate.other}, which {why}"
             waits_for[name] = gate.other
+        elif asked is not None and asked.driving and held[name].sent <= held[name].executed < count:
+            who = ", ".join(traveller.name for traveller in asked.travellers)
+            waits[name] = f"waits while a path is planned for {who}"
     return waits, waits_for
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from planner.borders.polyline import moves
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.ground.shared_graph import GroundPlaces, OutOfTime, lay_places
+from planner.fleet.ground.shared_graph import GroundPlaces, lay_places
 from planner.fleet.ground.zone_edges import cost_factors, usable_edges
 from planner.fleet.motions.interval_search_kernels import MotionGraph
 from planner.fleet.on_graph import check_effort
-from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, search, touching
+from planner.fleet.search.fleet_search import SHORTENING_ROUNDS, OutOfTime, search, touching
 from planner.fleet.search.team import TeamRobot, edges_of, make_graph, make_robot
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath, Path
@@ -75,29 +75,26 @@ def plan_fleet(
     grounds = Grounds(roadmap)
     paths = []
     for i, size in enumerate(sizes):
-        if effort.expired():
+        try:
+            path = grounds.path(begin[i], end[i], size, speeds[i], ruled[i], effort.check)
+        except OutOfTime:
             return effort.out_of_time(range(i, len(sizes)))
-        path = grounds.path(begin[i], end[i], size, speeds[i], ruled[i])
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {i}: no path even alone: {path.reason}", (i,))
         # the path's own ends may be rounded: use the exact places
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
 
-    def check() -> None:
-        if effort.expired():
-            raise OutOfTime
-
     try:
         shared = lay_places(
-            grounds.walls(min(sizes)), paths, sizes, check, grounds.closed(min(sizes), ruled)
+            grounds.walls(min(sizes)), paths, sizes, effort.check, grounds.closed(min(sizes), ruled)
         )
     except OutOfTime:
         return effort.out_of_time(range(len(sizes)))
     robots: list[TeamRobot] = []
-    for robot in team_on(shared, sizes, speeds, grounds, ruled, paths):
-        if effort.expired():
-            return effort.out_of_time(range(len(robots), len(sizes)))
-        robots.append(robot)
+    try:
+        robots.extend(team_on(shared, sizes, speeds, grounds, ruled, paths, effort.check))
+    except OutOfTime:
+        return effort.out_of_time(range(len(robots), len(sizes)))
     plan = search(robots, shared.junctions, effort)
     if isinstance(plan, FleetPlan):
         check_walls(roadmap, plan, sizes)
@@ -129,11 +126,22 @@ class Grounds:
         return self._zoned[key]
 
     def path(
-        self, begin: FloatArray, end: FloatArray, radius: float, speed: float, zones: Sequence[Zone]
+        self,
+        begin: FloatArray,
+        end: FloatArray,
+        radius: float,
+        speed: float,
+        zones: tuple[Zone, ...],
+        check: Callable[[], None] = lambda: None,
     ) -> Path | NoPath:
-        """Plan one robot's path; where it is already it stays: zones forbid new stops only."""
-        stays = bool((begin == end).all())
-        ground = self.walls(radius) if stays else self.zoned(radius, speed, tuple(zones))
+        """Plan one robot's path; where it is already it stays: zones forbid new stops only.
+
+        ``check`` is called before each piece of work, and may raise `OutOfTime`.
+        """
+        check()
+        if (begin == end).all():
+            return self.walls(radius).plan(tuple(begin), tuple(end))
+        ground = replace(self.zoned(radius, speed, zones), check=check)
         return ground.plan(tuple(begin), tuple(end))
 
     def closed(self, radius: float, zones: Sequence[tuple[Zone, ...]]) -> list[Roadmap]:
@@ -149,8 +157,9 @@ def team_on(
     grounds: Grounds,
     zones: Sequence[tuple[Zone, ...]],
     paths: Sequence[FloatArray],
+    check: Callable[[], None] = lambda: None,
 ) -> Iterator[TeamRobot]:
-    """The robots one by one, equal ones on one graph.
+    """The robots one by one, equal ones on one graph; ``check`` is as in :meth:`Grounds.path`.
 
     A robot that begins in a keep-out zone has its own, with its path out. One that is to stay where
     a zone forbids goals has a graph without edges: it could not come back.
@@ -158,6 +167,7 @@ def team_on(
     graphs: dict[tuple[Any, ...], tuple[MotionGraph, NDArray[np.int64]]] = {}
     largest = float(np.abs(shared.places).max())
     for i, (size, speed) in enumerate(zip(sizes, speeds, strict=True)):
+        check()
         rules = grounds.zoned(size, speed, zones[i]).rules
         begin = (float(paths[i][0, 0]), float(paths[i][0, 1]))
         held = any(rules.is_held_by(one, begin) for one in rules.of("keep_out"))
@@ -170,7 +180,7 @@ def team_on(
             if rooted:
                 wide = wide[:0]
             elif zones[i]:
-                wide = wide[usable_edges(shared.places, wide, rules, paths[i])]
+                wide = wide[usable_edges(shared.places, wide, rules, paths[i], check)]
                 factors = cost_factors(shared.places, wide, rules)
             graph = make_graph(shared.places, wide, speed, factors)
             graphs[key] = graph, edges_of(graph)

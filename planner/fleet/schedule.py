@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,7 +30,13 @@ from planner.fleet.on_roadmap import (
     team_on,
 )
 from planner.fleet.retiming import moves_of, retimed
-from planner.fleet.search.fleet_search import checked_tracks, touching, track_of
+from planner.fleet.search.fleet_search import (
+    Effort,
+    OutOfTime,
+    checked_tracks,
+    touching,
+    track_of,
+)
 from planner.fleet.search.team import Route
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
@@ -135,7 +141,7 @@ class FleetSchedule:
         to ``sent``. ``ValueError`` if :func:`planner.fleet.execution.releases` did not allow what
         was sent. ``clock`` gives the seconds of the time limit.
         """
-        check_effort(time_limit_s, 0, 0, clock)
+        effort = check_effort(time_limit_s, 0, 0, clock)
         places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
         for robot in places:
             if not 0 <= robot < len(self.radii):
@@ -155,13 +161,16 @@ class FleetSchedule:
         if refused is not None:
             return refused
         new = None
-        for robot, place in places.items():
-            alone = self._alone(robot, tracks[robot], kept[robot], place)
-            if isinstance(alone, NoFleetPlan):
-                return alone
-            if len(places) == 1:
-                new = self._among_promises(robot, tracks, kept, alone)
-        return new or self._after_promises(tracks, kept, ends, time_limit_s, clock)
+        try:
+            for robot, place in places.items():
+                alone = self._alone(robot, tracks[robot], kept[robot], place, effort.check)
+                if isinstance(alone, NoFleetPlan):
+                    return alone
+                if len(places) == 1:
+                    new = self._among_promises(robot, tracks, kept, alone, effort.check)
+        except OutOfTime:
+            return effort.out_of_time(tuple(places))
+        return new or self._after_promises(tracks, kept, ends, effort)
 
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """Parked robots that cut a robot off from a goal: none if it is well-formed.
@@ -198,23 +207,28 @@ class FleetSchedule:
                 raise ValueError(f"sent[{i}] = {row}: must be a row that was allowed, to {most}")
 
     def _alone(
-        self, robot: int, track: FloatArray, kept: int, goal: FloatArray
+        self, robot: int, track: FloatArray, kept: int, goal: FloatArray, check: Callable[[], None]
     ) -> FloatArray | NoFleetPlan:
         begin = track[kept, 1:]
-        roadmap = self._grounds.zoned(self.radii[robot], self.speeds[robot], self.zones[robot])
-        path = roadmap.plan(tuple(begin), tuple(goal[0]))
+        size, speed, own = self.radii[robot], self.speeds[robot], self.zones[robot]
+        path = self._grounds.path(begin, goal[0], size, speed, own, check)
         if isinstance(path, NoPath):
             return NoFleetPlan(f"robot {robot}: no path even alone: {path.reason}", (robot,))
         return np.concatenate([begin[None], path.points[1:-1], goal])
 
     def _among_promises(
-        self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], path: FloatArray
+        self,
+        robot: int,
+        tracks: list[FloatArray],
+        kept: tuple[int, ...],
+        path: FloatArray,
+        check: Callable[[], None],
     ) -> FleetSchedule | None:
         size, speed = self.radii[robot], self.speeds[robot]
         smallest = self._grounds.walls(min(self.radii))
         shared = with_paths(smallest, self._base, [path], self.radii)
         own = self.zones[robot]
-        one = next(team_on(shared, [size], [speed], self._grounds, [own], [path]))
+        one = next(team_on(shared, [size], [speed], self._grounds, [own], [path], check))
         prefix = tracks[robot][: kept[robot] + 1]
         ready_s = float(prefix[-1, 0])
         others = [j for j in range(len(tracks)) if j != robot]
@@ -242,13 +256,11 @@ class FleetSchedule:
         return None
 
     def _after_promises(
-        self,
-        tracks: list[FloatArray],
-        kept: tuple[int, ...],
-        ends: FloatArray,
-        time_limit_s: float,
-        clock: Clock,
+        self, tracks: list[FloatArray], kept: tuple[int, ...], ends: FloatArray, effort: Effort
     ) -> FleetSchedule | NoFleetPlan:
+        left_s = effort.end_s - effort.clock()
+        if left_s <= 0.0:
+            return effort.out_of_time(range(len(tracks)))
         parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [
             replace(default_limits(size), speed=speed)
@@ -260,8 +272,8 @@ class FleetSchedule:
             ends.tolist(),
             self.radii,
             limits,
-            time_limit_s=time_limit_s,
-            clock=clock,
+            time_limit_s=left_s,
+            clock=effort.clock,
             zones=self.zones,
         )
         if isinstance(later, NoFleetPlan):

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
@@ -35,6 +35,10 @@ MOST_CLOSED = 4
 """Times that more one-way zones are closed for a connection: chosen, one for each that is met."""
 
 
+def _go_on() -> None:
+    """End no plan."""
+
+
 @dataclass(frozen=True, slots=True)
 class ZonedRoadmap:
     """A roadmap and its robot's zones; see :func:`with_zones`."""
@@ -42,6 +46,8 @@ class ZonedRoadmap:
     walls: Roadmap
     zones: tuple[Zone, ...]
     speed: float | None = None
+    check: Callable[[], None] = field(default=_go_on, repr=False, compare=False)
+    """Called before each piece of a plan's work; it may raise to end it."""
     _made: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -78,6 +84,7 @@ class ZonedRoadmap:
         if not key:
             return self.walls
         if key not in self._made:
+            self.check()
             scene = with_objects(self.scene, [thing for one in shut for thing in one.objects])
             before: Roadmap = self._made.pop("before", self.walls)
             self._made[key] = before.updated(scene)
@@ -92,7 +99,7 @@ class ZonedRoadmap:
         return self._changed(self.walls, tuple(zones))
 
     def _changed(self, walls: Roadmap, zones: tuple[Zone, ...]) -> ZonedRoadmap:
-        changed = ZonedRoadmap(walls, zones, self.speed)
+        changed = ZonedRoadmap(walls, zones, self.speed, self.check)
         if self.rules.of("keep_out"):
             changed._made["before"] = self.closed  # which differs by less than the walls do
         return changed
@@ -221,6 +228,7 @@ class ZonedRoadmap:
         need = self.radius + request.margin
 
         def keeps(line: FloatArray) -> bool:
+            self.check()
             closed = self.closed
             inside = float(closed.clearance(line[:1])[0])
             least = self.radius * (1.0 - 1e-9)
@@ -264,6 +272,7 @@ class ZonedRoadmap:
         return any(self.rules.is_held_by(one, end) for end in ends)
 
     def _free(self, roadmap: Roadmap, ends: tuple[Vec, Vec], request: Request) -> FloatArray | None:
+        self.check()
         path = roadmap.plan(
             *ends, prefer=request.preference, margin=request.margin, relaxed=request.relaxed
         )

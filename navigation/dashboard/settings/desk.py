@@ -29,7 +29,7 @@ from navigation.shared.whole_file import UnwrittenFileError, write_whole
 MOST_KEPT: Final = 20
 MOST_CHANGES: Final = 500
 _DIGITS: Final = 16
-"""Number of a digest's characters in a kept text's name."""
+"""Length of the digest in a kept text's name."""
 
 
 class Around(NamedTuple):

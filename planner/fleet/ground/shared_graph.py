@@ -49,10 +49,6 @@ class GroundPlaces:
     junctions: list[int]
 
 
-class OutOfTime(Exception):  # noqa: N818 (an answer, not an error)
-    """The time limit was reached before the graph was made."""
-
-
 def lay_places(
     roadmap: Roadmap,
     paths: Sequence[FloatArray],
@@ -64,7 +60,7 @@ def lay_places(
 
     ``chains`` are the roadmaps whose chains count, by default this one: those on which keep-out
     zones are obstacles. ``check`` is called before each piece of work, and may raise
-    :class:`OutOfTime`.
+    an error that ends it.
     """
     smallest, largest = min(radii), max(radii)
     graphs = [one.graph for one in chains or (roadmap,)]

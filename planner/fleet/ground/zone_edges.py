@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -25,14 +26,23 @@ PLACES_OF_EDGE = 8
 MOST_ROUNDED_EDGES = 20
 """Edges inside a one-way zone that may each be driven against by rounding: chosen, so that a
 path of them stays within what is allowed for all."""
+SAMPLES_AT_ONCE = 10_000
+"""Places of edges looked at between two looks at the time: chosen, 0.1 s with a line of 100."""
 ON_PATH = 1e-6
 """A place lies on a path within this share of the radius."""
 
 
 def usable_edges(
-    places: FloatArray, edges: NDArray[np.int64], rules: Rules, own_path: FloatArray
+    places: FloatArray,
+    edges: NDArray[np.int64],
+    rules: Rules,
+    own_path: FloatArray,
+    check: Callable[[], None] = lambda: None,
 ) -> NDArray[np.bool_]:
-    """Mark the edges (m, 2) that a robot may use; ``own_path`` (n, 2) is its path alone."""
+    """Mark the edges (m, 2) that a robot may use; ``own_path`` (n, 2) is its path alone.
+
+    ``check`` is called before each piece of work, and may raise an error that ends it.
+    """
     usable = np.ones(len(edges), np.bool_)
     begin = (float(own_path[0, 0]), float(own_path[0, 1]))
     for one in rules.of("keep_out"):
@@ -42,14 +52,14 @@ def usable_edges(
         usable &= clear
     for one in rules.of("one_way"):
         most = AGAINST * rules.radius / MOST_ROUNDED_EDGES
-        usable &= _against(one, places, edges, PLACES_OF_EDGE) <= most
+        usable &= _against(one, places, edges, PLACES_OF_EDGE, check) <= most
         # places so far apart may miss a thin zone: edges that touch it are cut as whole paths are
         touch = np.flatnonzero(usable)
         touch = touch[_clearances(one, places, edges[touch]) == 0.0]
         if len(touch):
             longest = float(np.hypot(*np.diff(places[edges[touch]], axis=1)[:, 0].T).max())
             count = math.ceil(longest / (PIECE * rules.radius))
-            usable[touch] = _against(one, places, edges[touch], count) <= most
+            usable[touch] = _against(one, places, edges[touch], count, check) <= most
     return usable
 
 
@@ -83,9 +93,25 @@ def _clearances(one: ZoneGround, places: FloatArray, edges: NDArray[np.int64]) -
 
 
 def _against(
-    one: ZoneGround, places: FloatArray, edges: NDArray[np.int64], count: int
+    one: ZoneGround,
+    places: FloatArray,
+    edges: NDArray[np.int64],
+    count: int,
+    check: Callable[[], None],
 ) -> FloatArray:
     """Progress (m,) of each edge against a one-way zone, by ``count`` places of each."""
+    at_once = max(1, SAMPLES_AT_ONCE // count)
+    progress = np.empty(len(edges))
+    for first in range(0, len(edges), at_once):
+        check()
+        some = slice(first, first + at_once)
+        progress[some] = _some_against(one, places, edges[some], count)
+    return progress
+
+
+def _some_against(
+    one: ZoneGround, places: FloatArray, edges: NDArray[np.int64], count: int
+) -> FloatArray:
     points = _samples(places, edges, count)
     steps = np.repeat((places[edges[:, 1]] - places[edges[:, 0]]) / count, count, axis=0)
     back = np.zeros(len(points))

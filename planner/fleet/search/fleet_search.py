@@ -2,8 +2,8 @@
 
 Counts of work limit the searches, so equal input gives equal answers; the clock ends them only at
 the time limit, which the answer then reports. The limit counts from the request. The current piece
-of work, one search or one robot's times, and the plan's check, about 20 us a pair of robots, may
-exceed it.
+of work, one search, one connection of a robot's path or one robot's times, and the plan's check,
+about 20 us a pair of robots, may exceed it.
 """
 
 from __future__ import annotations
@@ -49,6 +49,10 @@ NOT_LIVE = (
 )
 
 
+class OutOfTime(Exception):  # noqa: N818 (an answer, not an error)
+    """The time limit was reached before the search began."""
+
+
 @dataclass(frozen=True, slots=True)
 class Effort:
     """Limits of a search; ``end_s`` is the time on its ``clock`` to stop.
@@ -67,11 +71,16 @@ class Effort:
         """True if the time limit is reached."""
         return self.clock() >= self.end_s
 
+    def check(self) -> None:
+        """Raise `OutOfTime` at the time limit."""
+        if self.expired():
+            raise OutOfTime
+
     def out_of_time(self, who: Sequence[int]) -> NoFleetPlan:
         """Refusal at the time limit; ``who`` has no path yet."""
         return NoFleetPlan(
-            f"{_listed(who)}: no plan was found within {self.time_limit_s:g} s; that there is none"
-            " is not proved", tuple(who), proved=False,
+            f"{_listed(who)}: no plan was found within {self.time_limit_s:.3g} s; that there is"
+            " none is not proved", tuple(who), proved=False,
         )  # fmt: skip
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
+from navigation.fleet import coordinator
 from navigation.fleet.gate_waits import PATIENCE_S
 from navigation.mission.mission import State
 from tests.support.robots.obedient_fleet import HALL, ONE_WAY, Fleet, at
@@ -32,7 +35,10 @@ def test_a_new_goal_joins_those_that_drive_and_nobody_is_stopped_for_it() -> Non
     assert [bool(request.driving) for request in fleet.requests] == [False, True]
 
 
-def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has() -> None:
+def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(coordinator, "AHEAD", 5)
     fleet = Fleet(HALL, {"a": (0.2, 0.2), "b": (1.7, 1.3)}, late=1)
     fleet.robots["a"].go((1.8, 0.2))
     fleet.until_driving("a")
@@ -41,11 +47,12 @@ def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has() -> None:
     while not fleet.requests[-1].driving:
         fleet.step()
     (driving,) = fleet.requests[-1].driving
-    for _ in range(300):
-        fleet.step()
+    said = [fleet.step().waits.get("a") for _ in range(300)]
     release = fleet.coordinator.release("a")
     assert release is not None
-    assert fleet.robots["a"].executed <= driving.sent
+    assert fleet.robots["a"].executed == driving.sent < len(driving.promise.targets)
+    assert set(said) == {None, "waits while a path is planned for b"}
+    assert said[-1] is not None
 
 
 def test_a_robot_whose_mission_ends_on_its_path_has_not_driven_the_rest() -> None:

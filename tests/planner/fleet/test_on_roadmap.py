@@ -12,11 +12,14 @@ import pytest
 
 from planner import FleetPlan, NoFleetPlan, build_roadmap, plan_fleet
 from planner.fleet.ground.zone_edges import usable_edges
+from planner.fleet.schedule import FleetSchedule
 from planner.motion.trajectory import default_limits
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
 from planner.zones.areas import BandArea, CircleArea
 from planner.zones.rules import rules_for
 from planner.zones.zone import Zone
+from planner.zones.zone_ground import ZoneGround
 from tests.support.oracles.fleet_judge import delayed, least_gap
 from tests.support.scenes.planner_scenes import box, scene_of, slow_distance
 
@@ -226,3 +229,71 @@ def test_input_that_makes_no_sense_is_named(changed: dict[str, Any], said: str) 
     request = {"starts": ENDS[:1], "goals": ENDS[1:]}
     with pytest.raises(ValueError, match=said):
         plan_fleet(roadmap, **{**request, **changed})
+
+
+class WorkClock:
+    """Seconds by the work done: a path takes 20 ms, a place beside a piece of a line 50 ns."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_s = 0.0
+        plan, directions = Roadmap.plan, ZoneGround.directions
+
+        def slow_plan(roadmap: Roadmap, *places: Any, **how: Any) -> Any:
+            self.now_s += 0.02
+            return plan(roadmap, *places, **how)
+
+        def slow_directions(one: ZoneGround, points: Any) -> Any:
+            assert isinstance(one.zone.area, BandArea)
+            self.now_s += 5e-8 * len(points) * len(one.zone.area.line)
+            return directions(one, points)
+
+        monkeypatch.setattr(Roadmap, "plan", slow_plan)
+        monkeypatch.setattr(ZoneGround, "directions", slow_directions)
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def winding(name: str, y: float) -> Zone:
+    x = np.linspace(0.2, 2.8, 40)
+    line = np.column_stack([x, y + 0.05 * np.sin(20.0 * x)])
+    return Zone(name, "one_way", BandArea(tuple(map(tuple, line.tolist())), 0.1))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6, 0.9])
+def test_a_time_limit_is_kept_among_long_winding_zones(
+    share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    roadmap = build_roadmap(Scene.from_polygons([], bounds=(0, 0, 3, 2)), radius=0.08)
+    clock = WorkClock(monkeypatch)
+    zones = [[winding("a", 0.8), winding("b", 1.2)]] * 2
+    starts, goals = [(0.5, 0.2), (2.0, 0.2)], [(1.0, 1.8), (2.5, 1.8)]
+    asked: dict[str, Any] = {"zones": zones, "clock": clock, "improve": 0}
+    assert plan_fleet(roadmap, starts, goals, time_limit_s=1e6, **asked)
+    limit_s = share * clock.now_s
+    begun_s = clock.now_s
+    plan = plan_fleet(roadmap, starts, goals, time_limit_s=limit_s, **asked)
+    assert clock.now_s - begun_s <= 1.2 * limit_s
+    assert isinstance(plan, NoFleetPlan)
+    assert not plan.proved
+    assert f"no plan was found within {limit_s:.3g} s" in plan.reason
+
+
+def test_new_goals_keep_the_time_limit_among_long_winding_zones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    roadmap = build_roadmap(Scene.from_polygons([], bounds=(0, 0, 3, 2)), radius=0.08)
+    clock = WorkClock(monkeypatch)
+    zones = [[winding("a", 0.8), winding("b", 1.2)]] * 2
+    parked = FleetSchedule.parked(roadmap, [(0.5, 0.2), (2.0, 0.2)], zones=zones)
+    goals = {0: (1.0, 1.8), 1: (2.5, 1.8)}
+    for some in ({0: goals[0]}, goals):
+        begun_s = clock.now_s
+        assert parked.with_goals(some, time_limit_s=1e6, clock=clock)
+        whole_s = clock.now_s - begun_s
+        for share in (0.3, 0.8):
+            begun_s, limit_s = clock.now_s, share * whole_s
+            found = parked.with_goals(some, time_limit_s=limit_s, clock=clock)
+            assert isinstance(found, NoFleetPlan)
+            assert "no plan was found within" in found.reason
+            assert clock.now_s - begun_s <= 1.2 * limit_s
