@@ -28,6 +28,7 @@ pytestmark = pytest.mark.slow
 
 FAR = [{"x_m": 0.20, "y_m": 1.60}]
 FRAME_S = 1 / 30
+"""Half as long as between two pictures here: the bounds are those of a camera of 30 Hz."""
 CYCLE_S = 0.05
 """The longest cycle: without a frame."""
 BRAKING_S = 0.3 / 0.5

@@ -125,7 +125,7 @@ class LateLine(PacedLine):
 def test_a_robot_that_hears_late_is_not_said_to_drive_in_try_after_try(
     late_s: float, from_the_start: bool
 ) -> None:
-    config = short_config(FAR)
+    config = short_config(FAR, safety={"give_up_s": 15.0})
     world = VirtualWorld(config, pictures=False)
     loop = world.body.loop
     loop.to_robot = line = LateLine(loop.baud)

@@ -77,13 +77,24 @@ class Stage:
         return truth.track_clearance(truth.track()) - RADIUS_M
 
 
-@pytest.fixture
-def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
-    """A robot at its start; with drawn pictures where the parameter is ``True``."""
-    config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config, pictures=getattr(request, "param", False))
+def stage_of(*, pictures: bool, **camera: float) -> Iterator[Stage]:
+    """A robot at its start."""
+    config = short_config(FAR, simulation={"camera": HIGH_CAMERA}, camera=camera)
+    world = VirtualWorld(config, pictures=pictures)
     with Daemon(config, world, first_mission_id=7) as daemon:
         yield Stage(world, daemon)
+
+
+@pytest.fixture
+def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
+    """With drawn pictures where the parameter is ``True``."""
+    yield from stage_of(pictures=getattr(request, "param", False))
+
+
+@pytest.fixture
+def quick_stage() -> Iterator[Stage]:
+    """With 30 pictures a second, as a latency that changes is measured from many."""
+    yield from stage_of(pictures=False, rate_hz=30.0)
 
 
 def freeze_with_a_clock(stage: Stage) -> None:
@@ -262,26 +273,30 @@ def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: f
     assert stage.clearance_m() > 0.05
 
 
-def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stage: Stage) -> None:
-    stage.set_off(14)
-    stage.world.cameras[None].stream_latency_s = 0.22
-    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(
+    quick_stage: Stage,
+) -> None:
+    quick_stage.set_off(14)
+    quick_stage.world.cameras[None].stream_latency_s = 0.22
+    ended = quick_stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert stage.daemon.robot.pilot.plan.speed_m_s < 0.27
-    assert stage.clearance_m() > 0.02
+    assert quick_stage.daemon.robot.pilot.plan.speed_m_s < 0.27
+    assert quick_stage.clearance_m() > 0.02
 
 
-def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(stage: Stage) -> None:
+def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(
+    quick_stage: Stage,
+) -> None:
     """Measured while the robot drives: its plan stays if it is hardly faster than is allowed."""
-    stage.set_off(20)
-    stage.world.cameras[None].stream_latency_s = 0.22
-    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    quick_stage.set_off(20)
+    quick_stage.world.cameras[None].stream_latency_s = 0.22
+    ended = quick_stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    pilot, evidence = stage.daemon.robot.pilot, stage.daemon.robot.witness.evidence()
+    pilot, evidence = quick_stage.daemon.robot.pilot, quick_stage.daemon.robot.witness.evidence()
     robot = pilot.settings.traffic
     allowed_m_s = speed_with(evidence.longest_latency_s, robot.speed_m_s, robot.acceleration_m_s2)
     assert WORTH_A_PLAN * pilot.plan.speed_m_s <= allowed_m_s
-    assert stage.clearance_m() > 0.02
+    assert quick_stage.clearance_m() > 0.02
 
 
 def test_a_stamp_in_the_future_counts_as_now(stage: Stage) -> None:

@@ -24,7 +24,8 @@ from vision.calibrate.lens import Lens
 from vision.calibration.calibration_file import load_calibration, save_calibration
 
 GOAL = [{"x_m": 0.20, "y_m": 1.60}]
-KNOCK_S = 4.0
+KNOCK_S = 3.975
+"""Just before a picture, from which on the camera is said to have moved."""
 HIGH_CAMERA = {
     "position_m": (1.155, 0.975, 2.9), "focal_px": 617.5, "centre_offset_px": (2.6, -1.9)
 }  # fmt: skip

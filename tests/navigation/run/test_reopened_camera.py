@@ -29,7 +29,7 @@ def lose_the_camera(
 
     ``meanwhile`` is done once the robot stands, with where it was seen last.
     """
-    config = short_config(FAR)
+    config = short_config(FAR, camera={"rate_hz": 30.0})  # it is lost at full speed
     world = VirtualWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))

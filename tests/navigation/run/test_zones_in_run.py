@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +111,7 @@ class Played:
         return any(words in line for line in self.said)
 
 
+@cache
 def middle_of_the_path(make: Callable[[], Config]) -> tuple[float, float, float]:
     """Where the first robot is half way through a run without zones, and when."""
     played = Played(make(), {})

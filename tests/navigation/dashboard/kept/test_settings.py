@@ -12,7 +12,8 @@ import pytest
 
 from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
-from navigation.dashboard.settings.desk import MOST_KEPT, Around, Desk
+from navigation.dashboard.settings import desk
+from navigation.dashboard.settings.desk import Around, Desk
 from navigation.dashboard.visits import RefusedError
 from navigation.mission.mission import State
 from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
@@ -203,11 +204,12 @@ def test_no_key_that_takes_a_file_an_address_or_a_command_can_be_changed(office:
         assert changeable <= {one["key"] for one in problems}, typed
 
 
-def test_earlier_texts_are_private_and_few(office: Office) -> None:
-    for rate in range(MOST_KEPT + 5):
+def test_earlier_texts_are_private_and_few(office: Office, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(desk, "MOST_KEPT", 3)
+    for rate in range(3 + 2):
         office.desk.save({"camera.rate_hz": str(10 + rate)}, office.base)
     kept = sorted(office.state.rglob("*.yaml"))
-    assert len(kept) == MOST_KEPT
+    assert len(kept) == 3
     assert {file.stat().st_mode & 0o777 for file in kept} == {0o600}
 
 

@@ -53,8 +53,7 @@ def test_robots_cross_the_seam_and_never_touch() -> None:
     assert all((one.goal_error_m or 1.0) < 0.01 for one in report.robots.values())
 
 
-@pytest.mark.parametrize("pictures", [True, False])
-def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures: bool) -> None:
+def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> None:
     config = Config.model_validate(values())
     plan = floor_plan_of(config)
     assert plan is not None
@@ -78,7 +77,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back(pictures
             troubles.update(one.troubles)
         return False
 
-    report = run_virtually(config, meet=meet, look=look, pictures=pictures)
+    report = run_virtually(config, meet=meet, look=look, pictures=False)
     assert any("camera right is lost" in one for one in troubles)
     tracks = np.array(where).swapaxes(0, 1)
     within = [plan.is_unknown(closed, *track[0], RADIUS_M) for track in tracks]
