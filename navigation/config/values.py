@@ -62,6 +62,8 @@ Length = Annotated[Positive, Field(le=100), _from(0.001)]
 Fine = Annotated[Positive, Field(le=10), _from(1e-6)]
 Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
+PathSpeed = Annotated[Positive, Field(le=1000), _from(0.01)]
+"""A robot's speed along a path; the firmware's least is 10 mm/s (`CRAWL` of its follower)."""
 LeastWheelSpeed = Annotated[NotNegative, Field(le=0.2)]
 """Speed up to the fastest of the firmware's pulses (`LEAST_WHEEL_MAX_MM_S`)."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]

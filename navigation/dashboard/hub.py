@@ -92,7 +92,7 @@ class Hub:
         self.plan, self.plan_number = b"", 0
         self.saved = SavedPlaces(places_file(daemon.config.recording), self.view.arena)
         self.saved_number = 1
-        self._saving = asyncio.Lock()
+        self._saving, self._zoning = asyncio.Lock(), asyncio.Lock()
         self.pictures: dict[tuple[str, int], tuple[bytes, int]] = {}
         """The newest of each kind and width that is looked at, with its number."""
         self.picture_number = 0
@@ -229,6 +229,12 @@ class Hub:
         except MissionError as error:
             return {"ok": False, "reason": str(error)}
         return preview_facts(answer)
+
+    async def change_zones(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
+        """As `give`, in a worker thread, one order after another: it waits for the disk."""
+        async with self._zoning:
+            work = asyncio.get_running_loop().run_in_executor
+            return await work(self.workers, self.give, request, who)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
         """Save, rename or remove a place; return the reason for refusing."""

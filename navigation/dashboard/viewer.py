@@ -12,6 +12,7 @@ import asyncio
 import contextlib
 import json
 from collections import defaultdict, deque
+from collections.abc import Coroutine, Mapping
 from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -289,12 +290,24 @@ class Viewer:
             hub.gate.count("order")
             self._reply(message, {"ok": False, "error": refusal})
             return
-        result = hub.give(message, self.name)
-        hub.seat.touch(self.attention.key, hub.clock())
-        level = "stop" if order == "stop" else "order"
+        if order in ZONE_ORDERS:
+            return self._start(self._change_zones(message))
+        self._was_given(message, hub.give(message, self.name))
+
+    async def _change_zones(self, message: dict[str, Any]) -> None:
+        self._was_given(message, await self.hub.change_zones(message, self.name))
+
+    def _was_given(self, message: dict[str, Any], result: Mapping[str, Any]) -> None:
+        self.hub.seat.touch(self.attention.key, self.hub.clock())
+        level = "stop" if message["order"] == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
-        hub.note(level, f"{self.name}: {_told(message)}{outcome}")
+        self.hub.note(level, f"{self.name}: {_told(message)}{outcome}")
         self._reply(message, {k: result[k] for k in ("ok", "error", "trouble") if k in result})
+
+    def _start(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._saving.add(task)
+        task.add_done_callback(self._saving.discard)
 
     def _ask_place(self, message: dict[str, Any]) -> None:
         hub = self.hub
@@ -310,9 +323,7 @@ class Viewer:
                 hub.note("info", f"{self.name} {what} the place {message['name'].strip()!r}")
             self._reply(message, _outcome(error))
 
-        task = asyncio.ensure_future(work())
-        self._saving.add(task)
-        task.add_done_callback(self._saving.discard)
+        self._start(work())
 
     def _ask_preview(self, message: dict[str, Any]) -> None:
         stations = read_stations(message.get("stations"))

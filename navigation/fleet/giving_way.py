@@ -167,6 +167,8 @@ class GivingWay:
             rules = self._rules(name)
             if rules is not None and not rules.permits(line, one.radius_m):
                 continue
+            if rules is not None and rules.breach(line) is not None:  # as the driven line is judged
+                continue
             fast = np.full(len(line), one.limits.speed)  # as it was judged to get away in time
             if rules is not None and rules.too_fast(line, fast) is not None:
                 continue

@@ -2,8 +2,8 @@
 
 Any thread may change them; the control loop acts in its next cycle. A zone keeps its written form,
 for pages and files. A change that a file keeps is on the disk before it is answered, or the answer
-says that it is not: a thread writes it, and is waited for ``ANSWER_S`` at most. A disk that hangs
-delays no other order.
+says that it is not: a thread writes it, so that no order waits longer than ``ANSWER_S`` for a disk
+that hangs.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import Final
 
 from navigation.config.zones import MOST_ZONES, ZoneSection
 from navigation.config.zones.zone_checks import too_many_places
-from navigation.journal.kept_stops import ANSWER_S
 from navigation.journal.kept_zones import (
     KeptZones,
     KeptZonesError,
@@ -27,6 +26,8 @@ from planner.zones.zone import Zone
 
 MOST_UNDONE: Final = 50
 """Chosen: changes that can be taken back."""
+ANSWER_S: Final = 2.0
+"""Longest wait of an answer for the disk: chosen, a slow card's sync takes less."""
 UNKNOWN: Final = "a restart would not know of this change"
 
 

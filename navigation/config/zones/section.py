@@ -11,7 +11,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import AfterValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
-from navigation.config.values import Name, NeighbourFile, Number, Positive, Rate, Section
+from navigation.config.values import Name, NeighbourFile, Number, PathSpeed, Positive, Section
 from planner.formats.mask_files import load_mask
 from planner.scene import SceneError
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
@@ -55,9 +55,10 @@ class ZoneSection(Section):
     robots: tuple[Name, ...] = Field(
         default=(), description="names of the robots that it is for; empty: all"
     )
-    speed_m_s: Rate | None = Field(
+    speed_m_s: PathSpeed | None = Field(
         default=None,
-        description="highest speed inside: needed for slow, possible for all but keep_out",
+        description="highest speed inside, at least 0.01: needed for slow, possible for all but "
+        "keep_out",
     )
     cost: Annotated[float, Field(strict=True, ge=LEAST_COST, le=1.0)] | None = Field(
         default=None,

@@ -51,8 +51,8 @@ class FleetPlanner:
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
         """Take over a new scene and its zones."""
-        self._arena.see(scene, revision)
         self._scene, self._zones = scene, tuple(zones)
+        self._arena.see(scene, revision)  # last: a preview that knows this revision looks no more
         self._rules = {
             name: rules_for(zones_for(zones, name), scene, one.settings.radius_m)
             for name, one in self._alone.items()
@@ -72,8 +72,9 @@ class FleetPlanner:
 
     def preview(self, robot: str, request: PlanRequest) -> PlanAnswer:
         """Return one robot's plan as if it were alone."""
-        planner, scene = self._alone[robot], self._scene
+        planner = self._alone[robot]
         with self._previewing:
+            scene = self._scene
             if scene is not None and planner.revision != self._arena.revision:
                 planner.see(scene, self._arena.revision, self._zones)
             return planner.answer(request, preview=True)

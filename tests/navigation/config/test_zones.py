@@ -65,6 +65,11 @@ def test_every_kind_becomes_the_planners_zone() -> None:
             "polygon and circle",
         ),
         ("{name: a, kind: slow, circle: [1, 1, 0.5]}", "zones[0]", "needs a speed"),
+        (
+            "{name: a, kind: slow, circle: [1, 1, 0.5], speed_m_s: 0.009}",
+            "zones[0].speed_m_s",
+            "must be >= 0.01",
+        ),
         ("{name: a, kind: lane, circle: [1, 1, 0.5]}", "zones[0]", "needs a line"),
         ("{name: a, kind: one_way, line: [[0, 0], [1, 0]]}", "zones[0]", "given together"),
         ("{name: a, kind: keep_in, circle: [1, 1, 0.5]}", "zones[0].kind", "did you mean"),

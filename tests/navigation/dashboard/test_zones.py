@@ -1,5 +1,6 @@
 """Zones on the line to a page: sent when they change, changed by operators, read by everybody."""
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,28 @@ def test_a_page_hears_the_zones_when_it_comes_and_when_they_change(site: Site) -
         "somebody: ZONE REMOVE 'desk'",
         "somebody: ZONE UNDO",
     ]
+
+
+def test_stop_is_taken_while_a_zone_waits_for_the_disk(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hangs, well = threading.Event(), threading.Event()
+
+    def put(_zone: ZoneSection) -> None:
+        hangs.set()
+        assert well.wait(60.0)
+
+    monkeypatch.setattr(site.daemon.zones, "put", put)
+    with site.live() as page:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        page.send(type="order", id=2, order="zone_put", zone=SLOW)
+        assert hangs.wait(60.0)
+        page.send(type="order", id=3, order="stop")
+        assert page.hear("answer")["id"] == 3
+        well.set()
+        assert page.hear("answer") == {"type": "answer", "id": 2, "ok": True}
 
 
 def test_a_page_hears_the_roadmap_again_when_a_keep_out_zone_is_put_and_removed(site: Site) -> None:

@@ -160,6 +160,18 @@ def test_nobody_drives_aside_faster_than_a_slow_zone_allows(side: float) -> None
     assert rules.too_fast(places, np.array([one.speed_m_s for one in targets])) is None
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_nobody_drives_aside_to_wait_in_a_no_waiting_zone(side: float) -> None:
+    near, far = HERE[1] + side * 0.1, HERE[1] + side * 0.8
+    area = PolygonArea(((0.0, near), (2.0, near), (2.0, far), (0.0, far)))
+    rules = rules_for([Zone("door", "wait", area)], HALL_SCENE, RADIUS_M)
+    gives = GivingWay(clearance_m, lambda _robot: rules)
+    runaway = comes(0.0, 0.9)
+    members = {"b": member(*HERE), "c": member(runaway.x_m, runaway.y_m)}
+    assert gives.step(1.0, members, {}, asks("b"), [runaway]).answers
+    assert rules.breach(gives.aside["b"].points) is None
+
+
 def test_nobody_drives_aside_onto_what_another_robot_was_sent() -> None:
     gives = GivingWay(clearance_m)
     runaway = comes(0.0, 0.9)

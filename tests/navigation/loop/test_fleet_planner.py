@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise, permutations
 from pathlib import Path
 
@@ -12,9 +13,13 @@ from navigation.config import limits_of, load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
 from navigation.loop.traffic.fleet_planner import FleetPlanner
+from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from planner.formats.scene_io import read_scene_text
+from planner.path import NoPath
 from planner.scene import Bounds
+from planner.zones.areas import CircleArea
+from planner.zones.zone import Zone
 from tests.support.robots.obedient_fleet import HALL
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "fleet.yaml", {})
@@ -60,3 +65,23 @@ def test_a_station_without_a_path_leaves_the_order_as_written() -> None:
     unreachable = (STATIONS[0], Station(0.01, 0.01), STATIONS[2], STATIONS[3])
     ada = answer(unreachable, STATIONS[0]).promises["ada"]
     assert (ada.station, ada.path.order) == (STATIONS[0], (0, 1, 2))
+
+
+def test_a_preview_asked_while_a_zone_is_taken_over_leaves_the_next_one_with_the_zone() -> None:
+    fleet = FleetPlanner(each_robot(CONFIG))
+    scene = read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8))
+    request = PlanRequest(0, START, STATIONS[:1], 0)
+    desk = Zone("desk", "keep_out", CircleArea((2.0, 0.4), 0.1))
+
+    class Asked(tuple[Zone, ...]):
+        """Zones in whose midst another thread asks: when they are read."""
+
+        def __iter__(self) -> Iterator[Zone]:
+            fleet.preview("ada", request)
+            return super().__iter__()
+
+    fleet.see(scene, 1)
+    fleet.see(scene, 2, Asked([desk]))
+    path = fleet.preview("ada", request).path
+    assert isinstance(path, NoPath)
+    assert "keep-out zone 'desk'" in path.reason

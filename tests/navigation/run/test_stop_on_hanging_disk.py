@@ -1,4 +1,4 @@
-"""A disk whose sync hangs delays no stop, and the answer says what is not known."""
+"""A disk whose sync hangs delays no stop, and answers say what is not on it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import pytest
 
 from navigation.config.zones.in_words import as_written
 from navigation.control import ControlServer, send_order
-from navigation.dashboard.orders import give
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.kept_zones import KeptZones
 from navigation.link.link_snapshot import doubt_of_stop
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
+from navigation.orders.carry_out import carry_out
 from navigation.run.virtual_world import VirtualWorld
 from tests.navigation.journal.kept import circle
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
@@ -90,7 +90,7 @@ def test_the_answer_says_what_is_not_known_even_if_the_control_loop_is_late(
     assert "a restart would not know of this stop" in answer["trouble"]
 
 
-def test_the_page_stops_the_robot_while_a_zone_waits_for_the_disk(
+def test_orders_behind_a_zone_that_waits_for_the_disk_are_taken(
     driving: Daemon, disk: Disk, tmp_path: Path
 ) -> None:
     file = tmp_path / "journal.zones"
@@ -98,19 +98,19 @@ def test_the_page_stops_the_robot_while_a_zone_waits_for_the_disk(
     zone = as_written(circle("desk"))
     answers: list[dict[str, Any]] = []
 
-    def orders() -> None:  # one after another, as the page's thread takes them
-        for order in ({"order": "zone_put", "zone": zone}, {"order": "stop"}):
-            answers.append(give(order, driving.people, "a page"))
+    def orders() -> None:  # one after another, as the socket's thread takes them
+        for order in ({"order": "zone_put", "zone": zone}, {"order": "pause"}):
+            answers.append(carry_out(order, driving.people))
 
-    page = threading.Thread(target=orders)
-    page.start()
-    page.join(60.0)
+    person = threading.Thread(target=orders)
+    person.start()
+    person.join(60.0)
     assert not disk.well.is_set()
-    put, stopped = answers
+    put, paused = answers
     assert "a restart would not know of this change" in put["trouble"]
-    assert "not on the disk after 0.15 s" in put["trouble"]
-    assert stopped["ok"]
-    cycle_until(driving, lambda now: now.mission.state is State.STOPPED, seconds=5.0)
+    assert "not on the disk after 2 s" in put["trouble"]
+    assert paused["ok"]
+    cycle_until(driving, lambda now: now.mission.paused, seconds=5.0)
     disk.well.set()
     assert wait_until(lambda: driving.zones.trouble == "")
     assert [change.name for change in KeptZones(file).read()] == ["desk"]
