@@ -62,6 +62,8 @@ def _seen(place: FloatArray, neighbours: Sequence[Vec], ground: SolidGround) -> 
 def _places_around(at: Vec, ground: SolidGround, farthest: float) -> FloatArray:
     """Free places (n, 2), one in each direction that has any, the nearest first."""
     count = max(1, math.ceil(math.log(farthest / (FIRST_RADII * ground.radius), GROWTH)))
-    rings: FloatArray = FIRST_RADII * ground.radius * GROWTH ** np.arange(count + 1)
+    rings = FIRST_RADII * ground.radius * GROWTH ** np.arange(count + 1)
     turns = np.linspace(0.0, math.tau, PLACE_DIRECTIONS, endpoint=False)
-    return nearest_free(np.array(at), turns, rings, ground.is_free, STEP_HALVINGS)
+    return nearest_free(
+        np.array(at), turns, np.asarray(rings, np.float64), ground.is_free, STEP_HALVINGS
+    )

@@ -42,8 +42,8 @@ class Lens:
     """``camera_matrix`` (3, 3), ``distortion`` (5,), fisheye's (4,), and rms over all corners.
 
     ``terms`` is the number of distortion terms; ``used`` the pictures' names and rms;
-    ``left_out_px`` each model's residual on left-out views if compared; ``left_out_rms_px``
-    Brown's, None with too few views.
+    ``left_out_rms_px`` the residual on left-out views, None with too few; ``left_out_px`` both
+    models' if compared.
     """
 
     size: tuple[int, int]
@@ -123,7 +123,7 @@ def estimate_lens(
         used,
         tuple(remarks),
         model,
-        left_out_rms_px=_left_out_rms_px(good, chosen) if model == "brown" else None,
+        left_out_rms_px=_left_out_rms_px(good, chosen, model, start),
     )
 
 
@@ -159,11 +159,16 @@ def _without_bad_views(
     return good, start
 
 
-def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
-    """Rms of views under the others' lens; None if the others are too few."""
+def _left_out_rms_px(
+    views: Sequence[BoardView], terms: int, model: str, start: FloatArray | None
+) -> float | None:
+    """Rms of views under the others' lens; None if the others determine none."""
     if len(views) <= MIN_VIEWS:
         return None
-    found = left_out_px(views, partial(fit_lens, terms=terms))
+    try:
+        found = left_out_px(views, partial(fit_lens, terms=terms, model=model, start=start))
+    except CalibrationError:
+        return None
     return float(np.sqrt(np.mean(found * found)))
 
 

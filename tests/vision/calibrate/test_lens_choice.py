@@ -13,7 +13,7 @@ from tests.vision.calibrate.test_lens import views as brown_views
 from tests.vision.calibration.cameras import pose_of
 from vision.calibrate.board import BoardView
 from vision.calibrate.lens import estimate_lens
-from vision.calibrate.lens_choice import choose_lens, left_out_px
+from vision.calibrate.lens_choice import choose_lens
 from vision.calibrate.suspects import mirrored, upside_down
 from vision.calibration.calibration import Calibration, CalibrationError
 
@@ -125,4 +125,4 @@ def test_what_cannot_be_fitted_is_said() -> None:
     with pytest.raises(CalibrationError, match="lens model 'wide': must be brown or fisheye"):
         estimate_lens(fisheye_views(3), None, "wide")
     # three views leave two: fewer than a lens is fitted to
-    assert left_out_px(fisheye_views(3), estimate_lens(fisheye_views(3), 0, "fisheye")) == math.inf
+    assert estimate_lens(fisheye_views(3), 0, "fisheye").left_out_rms_px is None
