@@ -83,7 +83,8 @@ class ParserCounters:
     @property
     def faults(self) -> int:
         """Sum of all faults."""
-        return sum(astuple(self)) - self.bytes - self.frames
+        counted: tuple[int, ...] = astuple(self)
+        return sum(counted) - self.bytes - self.frames
 
 
 def encode_frame(frame: WireFrame, sender: Sender) -> bytes:

@@ -168,6 +168,7 @@ class Status:
             raise RemoteError(f"STATUS flags {v[8]:#x}: unknown")
         v[7], v[8] = known(RobotState, v[7]), StatusFlag(v[8])
         v[9], v[10] = known(StopReason, v[9]), known(CommandResult, v[10])
-        pose = (v[12] / UM_PER_M, v[13] / UM_PER_M, heading, v[15] / 1e3, v[16] / 1e3)
-        age_s = math.inf if v[17] == NO_POSE_MS else v[17] / 1e3
-        return cls(*v[:12], *pose, age_s, v[18] / 1e3, RobotCounters(*v[19:]))
+        v[12:17] = v[12] / UM_PER_M, v[13] / UM_PER_M, heading, v[15] / 1e3, v[16] / 1e3
+        v[17] = math.inf if v[17] == NO_POSE_MS else v[17] / 1e3
+        v[18:] = v[18] / 1e3, RobotCounters(*v[19:])
+        return cls(*v)

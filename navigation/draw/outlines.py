@@ -34,8 +34,10 @@ def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArra
 def object_lines(thing: SceneObject, y_down: bool) -> Iterator[FloatArray]:
     """Yield each record of an object as a polyline (n, 2); a point is one place."""
     for record in object_records(thing):
-        is_point = isinstance(record, PointRecord)
-        yield np.array([record.at]) if is_point else chain_points(record, y_down)
+        if isinstance(record, PointRecord):
+            yield np.array([record.at])
+        else:
+            yield chain_points(record, y_down)
 
 
 def chain_points(record: Record, y_down: bool) -> FloatArray:
