@@ -231,7 +231,7 @@ class Hub:
         return preview_facts(answer)
 
     async def change_zones(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """As `give`, in a worker thread, one order after another: it waits for the disk."""
+        """Carry out an order that waits for the disk: in a worker thread, one after another."""
         async with self._zoning:
             work = asyncio.get_running_loop().run_in_executor
             return await work(self.workers, self.give, request, who)

@@ -41,6 +41,7 @@ from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
+from navigation.mission.targets import within_caps
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -192,11 +193,11 @@ class Coordinator:
             if comes_too_near(ahead(self.held, name, request.start), name, members) is not None:
                 continue
             held.base = held.executed
-            promise = held.promise
-            answers[name] = PlanAnswer(
-                request.id, revision, promise.path, promise.trajectory,
-                promise.targets[held.base :],
-            )  # fmt: skip
+            promise, rules = held.promise, self._rules(name)
+            left = promise.targets[held.base :]
+            if rules is not None:  # it begins at rest, and the first of these may be a stop
+                left = within_caps(request.start[:2], left, rules)
+            answers[name] = PlanAnswer(request.id, revision, promise.path, promise.trajectory, left)
         return answers
 
     def _fits(self, held: Held, request: PlanRequest) -> bool:
