@@ -231,10 +231,9 @@ class Hub:
         return preview_facts(answer)
 
     async def change_zones(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """As `give`, in a worker thread, one order after another: it waits for the disk."""
+        """Carry out an order that waits for the disk: in another thread, one after another."""
         async with self._zoning:
-            work = asyncio.get_running_loop().run_in_executor
-            return await work(self.workers, self.give, request, who)
+            return await asyncio.to_thread(self.give, request, who)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
         """Save, rename or remove a place; return the reason for refusing."""

@@ -39,8 +39,10 @@ from navigation.fleet.releases import Held, Release, breach_of_rest, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest
 from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.late_pictures import WORTH_A_PLAN
 from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
+from navigation.mission.targets import within_caps
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -192,16 +194,19 @@ class Coordinator:
             if comes_too_near(ahead(self.held, name, request.start), name, members) is not None:
                 continue
             held.base = held.executed
-            promise = held.promise
-            answers[name] = PlanAnswer(
-                request.id, revision, promise.path, promise.trajectory,
-                promise.targets[held.base :],
-            )  # fmt: skip
+            promise, rules = held.promise, self._rules(name)
+            left = promise.targets[held.base :]
+            if rules is not None:  # it begins at rest, and the first of these may be a stop
+                left = within_caps(request.start[:2], left, rules)
+            answers[name] = PlanAnswer(request.id, revision, promise.path, promise.trajectory, left)
         return answers
 
     def _fits(self, held: Held, request: PlanRequest) -> bool:
         promise, here = held.promise, request.start[:2]
         if not request.stations or request.stations[0] != promise.station:
+            return False
+        fastest = max(target.speed_m_s for target in promise.targets[held.executed :])
+        if request.speed_m_s is not None and request.speed_m_s < WORTH_A_PLAN * fastest:
             return False
         around = promise.points[max(0, held.executed - 1) : held.executed + 2]
         if distance_to_polyline(around, here) > ON_TRACK_M:

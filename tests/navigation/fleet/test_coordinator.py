@@ -35,6 +35,22 @@ def test_a_new_goal_joins_those_that_drive_and_nobody_is_stopped_for_it() -> Non
     assert [bool(request.driving) for request in fleet.requests] == [False, True]
 
 
+def test_a_robot_that_asks_for_a_slower_path_gets_one() -> None:
+    fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 1.3)})
+    one = fleet.robots["a"]
+    one.go((1.7, 0.8))
+    fleet.until_driving("a")
+    for _ in range(4):
+        fleet.step()
+    one.asks_for_m_s = 0.1  # the camera's pictures are late
+    one.ask()
+    fleet.until_driving("a")
+    assert one.plan is not None
+    assert max(target.speed_m_s for target in one.plan.targets) < 0.101
+    fleet.run()
+    assert at(fleet, "a", (1.7, 0.8))
+
+
 def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

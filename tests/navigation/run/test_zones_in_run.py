@@ -205,6 +205,42 @@ def test_a_slow_zone_drawn_over_a_path_slows_the_robot(make: Callable[[], Config
 
 
 @BOTH
+def test_a_robot_that_is_paused_before_its_last_place_drives_on_as_slowly(
+    make: Callable[[], Config],
+) -> None:
+    slow = zone("slow", circle=(0.20, 0.30, 0.3), speed_m_s=0.05)
+    values = make().model_dump()
+    goal = [{"x_m": 0.20, "y_m": 0.40}]
+    if values["robots"]:
+        values["mission"]["robots"][0]["stations"] = goal
+    else:
+        values["mission"]["stations"] = goal
+    config = Config.model_validate(values | {"zones": [slow.model_dump()]})
+    paused: list[float] = []
+    resumed: list[float] = []
+    worlds: list[VirtualWorld] = []
+
+    def look(daemon: Daemon, now: RunState) -> bool:
+        one = next(iter(daemon.robots.values()))
+        plan, mission = one.pilot.plan, one.pilot.mission
+        if not paused and len(plan.targets) > 1 and plan.executed == len(plan.targets) - 1:
+            daemon.people.pause(one.name or None)
+            paused.append(now.time_s)
+        if paused and not resumed and now.time_s > paused[0] + 1.0:
+            daemon.people.resume(one.name or None)
+            resumed.append(daemon.world.clock())
+        return bool(resumed) and mission.state is State.DONE
+
+    def made(*args: Any, **how: Any) -> VirtualWorld:
+        worlds.append(VirtualWorld(*args, **how))
+        return worlds[0]
+
+    run_virtually(config, look=look, pictures=False, make_world=made)
+    name, truth = next(iter(worlds[0].truths.items()))
+    assert not violations(slow, name, config.robot.radius_m, truth.track(), resumed[0])
+
+
+@BOTH
 def test_a_zone_over_a_robot_at_rest_moves_nobody(make: Callable[[], Config]) -> None:
     config = make()
     update = {"stations": (), "robots": ()}

@@ -65,6 +65,8 @@ class Robot:
     """It stands until then, although it may drive."""
     asks_again_s: float = math.inf
     """When one that holds asks for a path."""
+    asks_for_m_s: float | None = None
+    """The fastest that it may drive on its next path."""
     runs_m_s: tuple[float, float] = (0.0, 0.0)
     """A robot that obeys nobody, and how fast it drives along both axes."""
 
@@ -143,7 +145,9 @@ class Fleet:
     def _member(self, one: Robot) -> Member:
         request = None
         if one.state is State.PLANNING:
-            request = PlanRequest(one.request_id, (*one.place, 0.0), one.stations, 1)
+            request = PlanRequest(
+                one.request_id, (*one.place, 0.0), one.stations, 1, speed_m_s=one.asks_for_m_s
+            )
         if self.now_s >= one.hidden_until_s or not math.isfinite(one.seen[2]):
             one.seen = (*one.place, self.now_s)
         x, y, seen_s = one.seen
