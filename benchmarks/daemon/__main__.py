@@ -54,6 +54,9 @@ from tests.support.runs.kills import Campaign, drive_under_fire
 from tests.support.runs.virtual import CONFIGS, short_config
 from tests.support.scenes.random_arenas import RADIUS_M, random_config
 
+RATE_HZ = 30.0
+"""Of the camera, as in the shipped simulation."""
+
 
 def arenas(count: int, workers: int, kept: Path | None) -> Rows:
     """Random arenas, each driven once; those whose report lies in ``kept`` are not driven again."""
@@ -158,8 +161,9 @@ def kills(count: int, workers: int) -> Rows:
 def _tour_under_fire(seed: int) -> Campaign:
     places = [(0.20, 0.60), (0.15, 1.15), (0.20, 1.60)]
     config = short_config(
-        [{"x_m": x, "y_m": y, "dwell_s": 0.5} for x, y in places], simulation={"seed": seed}
-    )
+        [{"x_m": x, "y_m": y, "dwell_s": 0.5} for x, y in places],
+        simulation={"seed": seed}, camera={"rate_hz": RATE_HZ},
+    )  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         return drive_under_fire(config, Path(folder) / "journal", seed, 20, power_cycles=0.25)
 
@@ -182,7 +186,7 @@ def with_and_without_pictures() -> Rows:
 def memory(hours: float) -> Rows:
     """Patrol between two places in virtual time; memory after a tenth and at the end."""
     places = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00}]
-    config = short_config(places)
+    config = short_config(places, camera={"rate_hz": RATE_HZ})
     world = VirtualWorld(config)
     early_mb = 0.0
     with Daemon(config, world, first_mission_id=1) as daemon:

@@ -20,6 +20,7 @@ from navigation.run.run_report import summarise_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from tests.support.oracles.bends import bends_of
+from tests.support.runs.light_camera import in_small_pictures
 from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving, short_config
 
 pytestmark = pytest.mark.slow
@@ -132,7 +133,7 @@ def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can
     With pictures: outlines as they are fitted to a picture give this way; along the true ones the
     smoothed path bends too tightly and the mission is given up.
     """
-    config = load_config(CONFIGS / "wide_bends.yaml", {})
+    config = in_small_pictures(load_config(CONFIGS / "wide_bends.yaml", {}))
     world, tightest = VirtualWorld(config), 1.0 / config.robot.turning_radius_m
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))

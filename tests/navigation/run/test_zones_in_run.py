@@ -17,7 +17,6 @@ from navigation.config.zones import ZoneSection
 from navigation.control import ControlError, send_order
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
-from navigation.mission.mission import State
 from navigation.run.run_report import RunReport
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
@@ -250,12 +249,12 @@ def test_a_zone_over_a_robot_at_rest_moves_nobody(make: Callable[[], Config]) ->
     start = simulation.starts[0] if simulation.starts else simulation.start
     assert start is not None
     desk = zone("keep_out", circle=(start.x_m, start.y_m, 0.1))
-    states: list[State] = []
+    zones: list[int] = []
 
     def look(daemon: Daemon, now: RunState) -> bool:
         if now.time_s > 1.0 and not daemon.zones.sections:
             daemon.zones.put(desk)
-        states.append(now.state)
+        zones.append(len(daemon.zones.sections))
         return now.time_s > 4.0
 
     worlds: list[VirtualWorld] = []
@@ -264,7 +263,8 @@ def test_a_zone_over_a_robot_at_rest_moves_nobody(make: Callable[[], Config]) ->
         worlds.append(VirtualWorld(*args, **how))
         return worlds[0]
 
-    run_virtually(idle, look=look, pictures=False, make_world=made)
+    run_virtually(idle, look=look, pictures=False, make_world=made, linger_s=10.0)
+    assert zones[-1] == 1
     for truth in worlds[0].truths.values():
         track = truth.track()
         assert not len(track) or math.dist(track[0, 1:3], track[-1, 1:3]) < 1e-6

@@ -81,11 +81,15 @@ def shape(value: Any) -> Any:
 
 
 def seen_of(config: Config) -> dict[str, Any]:
-    """Everything that is seen at the borders of one run whose camera is lost for a second."""
+    """Everything that is seen at the borders of one run whose camera is lost for a second.
+
+    With the 30 pictures a second that the golden files were written with.
+    """
     with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
         folder = Path(name)
         recording = config.recording.model_copy(update={"journal": folder / "journal"})
-        config = config.model_copy(update={"recording": recording})
+        camera = config.camera.model_copy(update={"rate_hz": 30.0})
+        config = config.model_copy(update={"recording": recording, "camera": camera})
         happenings = {SEEN_AT_S: STATUS, 3.0: camera_lost(True), 4.0: camera_lost(False)}
         ran = run_whole(config, folder, patch, happenings)
         status = {**ran.answers[0], "socket": "control.sock"}

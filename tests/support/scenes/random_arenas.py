@@ -32,7 +32,10 @@ def random_config(seed: int) -> Config:
             break
     left, right = rng.uniform(-WHEEL_ERROR, WHEEL_ERROR, 2)
     return short_config(
-        [{"x_m": goal[0], "y_m": goal[1], "heading_deg": float(rng.uniform(-180.0, 180.0))}],
+        camera={"rate_hz": 30.0},
+        stations=[
+            {"x_m": goal[0], "y_m": goal[1], "heading_deg": float(rng.uniform(-180.0, 180.0))}
+        ],
         simulation={
             "seed": seed,
             "arena": None,
