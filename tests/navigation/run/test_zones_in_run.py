@@ -17,6 +17,7 @@ from navigation.config.zones import ZoneSection
 from navigation.control import ControlError, send_order
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
+from navigation.mission.mission import State
 from navigation.run.run_report import RunReport
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
