@@ -105,18 +105,12 @@ def read_shades(path: Path) -> Shades:
 
     The cells are those of the file: map servers ignore its EXIF orientation.
     """
+    from navigation.shared.map_pictures import shades_of
+
     image, doubts = _decode(read_bytes(path), path)
     if doubts:
         raise SceneError(f"{path}: {doubts[0]}")
-    most = float(np.iinfo(image.dtype).max)
-    if image.ndim == 2:
-        return image / most, np.zeros(image.shape, dtype=np.bool_)
-    colours = image[:, :, :3] if image.shape[2] >= 3 else image[:, :, :1]
-    shade = colours.mean(axis=2, dtype=np.float64) / most
-    clear = np.zeros(shade.shape, dtype=np.bool_)
-    if image.shape[2] in (2, 4):
-        clear = np.asarray(image[:, :, -1] < most, dtype=np.bool_)
-    return shade, clear
+    return shades_of(image)
 
 
 def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) -> Scene:

@@ -98,4 +98,9 @@ class ZoneSection(Section):
         if self.line is not None and self.width_m is not None:
             return BandArea(self.line, self.width_m)
         assert self.mask is not None
-        return mask or MaskArea(load_mask(self.mask).objects, str(self.mask))
+        if mask is not None:
+            return mask
+        from navigation.shared.map_pictures import read_png_shades
+
+        found = load_mask(self.mask, read_picture=read_png_shades)
+        return MaskArea(found.objects, str(self.mask))

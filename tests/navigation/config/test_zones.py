@@ -3,6 +3,8 @@
 import math
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 import yaml
 
@@ -10,6 +12,7 @@ from navigation.config import ConfigError, parse_config
 from navigation.config.several.each_robot import settled
 from navigation.config.zones import ZoneSection
 from navigation.config.zones.in_words import as_written, as_yaml, in_words
+from planner.formats.mask_files import load_mask
 from planner.zones.areas import BandArea, CircleArea, MaskArea, PolygonArea
 from planner.zones.zone import Zone
 from tests.navigation.config.test_several_robots import FLEET
@@ -31,6 +34,7 @@ MASK_YAML = "image: mask.pgm\nresolution: 0.2\norigin: [0, 0, 0]\nmode: scale\n"
 
 def write_mask(folder: Path, *, occupied: bool = True) -> Path:
     """A mask of 4 x 4 cells of 0.2 m; the lower left one is the zone."""
+    folder.mkdir(exist_ok=True)
     cells = bytearray([255] * 16)
     if occupied:
         cells[12] = 0
@@ -145,6 +149,28 @@ def test_a_mask_is_read_beside_the_configuration(tmp_path: Path) -> None:
     assert len(area.objects) == 1
     (tmp_path / "mask.pgm").unlink()  # it was read: what holds does not change with the file
     assert config.zones[0].zone().area == area
+
+
+def test_a_mask_s_picture_may_be_png_and_has_to_be_whole(tmp_path: Path) -> None:
+    file = write_mask(tmp_path)
+    file.write_text(file.read_text().replace("mask.pgm", "mask.png"))
+    picture = tmp_path / "mask.png"
+    text = with_zones("{name: a, kind: keep_out, mask: mask.yaml}")
+    cells = cv2.imread(str(tmp_path / "mask.pgm"), cv2.IMREAD_UNCHANGED)
+    clear = np.dstack([cells, cells, cells, np.full_like(cells, 255)])
+    clear[0, 0] = (0, 0, 0, 0)  # transparent is unknown, and no zone
+    expected = MaskArea(load_mask(write_mask(tmp_path / "pgm")).objects, str(file))
+    for image in (cells, cells.astype(np.uint16) * 257, clear):
+        cv2.imwrite(str(picture), image)
+        assert parse_config(text, "run.yaml", tmp_path).zones[0].zone().area == expected
+    whole = picture.read_bytes()
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 0xFF
+    jpeg = cv2.imencode(".jpg", cells)[1].tobytes()
+    for damaged in (*(whole[:end] for end in range(len(whole))), bytes(flipped), jpeg):
+        picture.write_bytes(damaged)
+        with pytest.raises(ConfigError, match=r"mask\.png: "):
+            parse_config(text, "run.yaml", tmp_path)
 
 
 def test_an_unreadable_mask_is_named(tmp_path: Path) -> None:
