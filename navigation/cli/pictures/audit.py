@@ -30,6 +30,8 @@ from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from planner.formats.mask_files import SpeedLevel
+    from planner.graph_audit.audit import GraphAudit
+    from planner.scene import Scene
 
 UNSAFE = 3
 """Exit code, the same as for no path."""
@@ -166,16 +168,22 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             times_ms.end("repair")
             write_text(repair_file, graph_text(repaired.graph, repaired.graph.format))
     if render is not None:
-        from navigation.cli.pictures.audit_picture import audit_drawing
-        from navigation.draw.picture import save_drawing
-
-        save_drawing(render, audit_drawing(found, scene, zones, levels))
+        _save_picture(render, found, scene, zones, levels)
     times_ms.end_all()
     answer = AuditOutput(name, found, coverage, times_ms, scene.remarks, repaired)
     write_text(output, answer.as_form(form))
     if form == "text":
         tell_times(times_ms)
     return 0 if answer.is_safe else UNSAFE
+
+
+def _save_picture(
+    file: Path, found: GraphAudit, scene: Scene, zones: Scene | None, levels: tuple[SpeedLevel, ...]
+) -> None:
+    from navigation.cli.pictures.audit_picture import audit_drawing
+    from navigation.draw.picture import save_drawing
+
+    save_drawing(file, audit_drawing(found, scene, zones, levels))
 
 
 def _levels(mask: Path, speed_filter: tuple[str, float, float]) -> tuple[SpeedLevel, ...]:
