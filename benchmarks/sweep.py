@@ -29,7 +29,7 @@ from tests.support.runs.virtual import CONFIGS, short_config
 
 STATIONS = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.60}]
 RATE_HZ = 30.0
-"""Of the camera, as in the shipped simulation."""
+"""Rate of the camera, as in the shipped simulation."""
 
 
 def timed(config: Config, variations: list[Variation], workers: int) -> tuple[list[Row], float]:

@@ -55,7 +55,7 @@ from tests.support.runs.virtual import CONFIGS, short_config
 from tests.support.scenes.random_arenas import RADIUS_M, random_config
 
 RATE_HZ = 30.0
-"""Of the camera, as in the shipped simulation."""
+"""Rate of the camera, as in the shipped simulation."""
 
 
 def arenas(count: int, workers: int, kept: Path | None) -> Rows:

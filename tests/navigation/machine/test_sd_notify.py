@@ -1,4 +1,4 @@
-"""What systemd is messages_to and when: state, and that every stage turns."""
+"""Messages to systemd, and their times: the state, and that every stage turns."""
 
 from __future__ import annotations
 

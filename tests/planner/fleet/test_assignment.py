@@ -62,7 +62,7 @@ def test_a_task_behind_a_wall_is_left_over() -> None:
 
 
 def test_a_robot_may_keep_its_place_where_a_zone_forbids_goals() -> None:
-    """As in a plan of the fleet."""
+    """A plan of the fleet allows it too."""
     wait = Zone("desk", "wait", CircleArea((0.3, 0.3), 0.1))
     found = assign_tasks(
         build_roadmap(WALL, radius=0.1), [(0.5, 1.8), (0.3, 0.3)], [(0.3, 0.3)], zones=[[wait]] * 2

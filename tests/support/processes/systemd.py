@@ -1,4 +1,4 @@
-"""What a service's socket to systemd received."""
+"""Messages that a service sent to systemd."""
 
 from __future__ import annotations
 

@@ -26,8 +26,10 @@ HIGH_CAMERA = {
 BUCKET = {"record": "C (0.10,1.16) 0.08", "from_s": 3.0}
 """It closes the way while the robot is on it."""
 RATES_HZ = {"frozen with a clock": 30.0}
-"""Of the camera where it is not 15: with fewer pictures the run without them has to prove itself
-where the drawn one plans again."""
+"""Rates of the camera where it is not 15.
+
+With fewer pictures the run without them has to prove itself where the drawn one plans again.
+"""
 BROKEN_S = 1.5
 APART_M = 0.01
 """Two runs' places may differ by so much when they are broken: a picture's drive."""
