@@ -88,11 +88,11 @@ def command(
     warn_of_doubts(scene, image)
     # the same answer each time, unless times are asked for
     timed = timings or (form == "json" and output is None)
-    told = scene if timed else replace(scene, timings_ms={})
+    written = scene if timed else replace(scene, timings_ms={})
     if form == "json":
-        write_text(output, json.dumps(scene_to_json(told), indent=1) + "\n")
+        write_text(output, json.dumps(scene_to_json(written), indent=1) + "\n")
     else:
-        write_text(output, write_scene_text(told))
+        write_text(output, write_scene_text(written))
     if form == "text":
         tell_times(timings_ms)
     if render is not None:
