@@ -203,6 +203,17 @@ def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
     assert word["width"] > 50.0  # it says what is the matter
 
 
+def test_a_stop_button_in_a_hand_stays_when_the_connection_comes_back(open_fleet: OpenPage) -> None:
+    page = open_fleet()
+    page.locator("#stop-finn").focus()
+    held = page.locator("#stop-finn").element_handle()
+    page.evaluate("clearway.connection.useToken(clearway.connection.token)")
+    page.wait_for_function("!clearway.connection.isUp")
+    page.wait_for_function("clearway.connection.isUp && clearway.stage.svg.isConnected")
+    expect(page.locator("#robot-finn .word")).not_to_have_text("…")
+    assert held.evaluate("(button) => button === document.activeElement")
+
+
 def test_a_zone_is_drawn_for_one_robot_and_a_press_on_another_chooses_nobody(
     open_fleet: OpenPage, program: LiveFleet, keep: Keep
 ) -> None:

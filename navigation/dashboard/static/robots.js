@@ -9,6 +9,7 @@ const STOP_MS = 800;
 
 export class Robots {
   #rows = new Map();
+  #madeFor = null;
   #stoppedSince = new Map();
 
   constructor(connection, fleet, seat, say) {
@@ -25,8 +26,12 @@ export class Robots {
     connection.on("state", (state) => { if (state.robots) this.#show(state.robots); });
   }
 
+  /** Make the list; after a lost connection, if other robots are there: one that stays keeps its focus. */
   #make() {
-    const several = this.fleet.areSeveral;
+    const { robots, areSeveral: several } = this.fleet;
+    const names = robots.map(({ name }) => name).join();
+    if (this.#madeFor === names) return;
+    this.#madeFor = names;
     document.body.classList.toggle("has-fleet", several);
     this.card.hidden = !several;
     for (const part of document.querySelectorAll(".of-several")) part.hidden = !several;
@@ -37,7 +42,7 @@ export class Robots {
     if (several) document.getElementById("beneath").prepend(health);
     else this.card.after(health);
     this.#rows.clear();
-    this.list.replaceChildren(...this.fleet.robots.map((robot, index) => this.#row(robot, index)));
+    this.list.replaceChildren(...robots.map((robot, index) => this.#row(robot, index)));
     if (several) this.#showChosen();
   }
 
