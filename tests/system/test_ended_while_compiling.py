@@ -19,6 +19,7 @@ from tests.support.waiting import wait_until
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENDED_WITHIN_S = 8.0
 """A service manager waits for ten."""
+pytestmark = pytest.mark.timed  # says how soon a run and its children end
 
 
 @pytest.fixture
