@@ -2,6 +2,7 @@
 // length and clearance before anything is sent. The same with the keyboard.
 
 import { stationMark } from "./layers.js";
+import { fill } from "./list.js";
 import { allow } from "./press.js";
 import { element } from "./stage.js";
 import { Clearance } from "./world.js";
@@ -44,7 +45,7 @@ export class Goal {
       this.#clearance = new Clearance(this.#hello.arena_m, world);
       this.#askAgain();
     });
-    connection.on("down", () => this.#show());
+    connection.on("down", () => this.#allowSending());
     connection.on("state", (state) => this.#follow(state));
     stage.onResize.push(() => this.#draw());
     this.#listen();
@@ -302,7 +303,7 @@ export class Goal {
     document.getElementById("goal-hint").hidden = any;
     const list = document.getElementById("goal-stations");
     list.hidden = !any;
-    list.replaceChildren(...this.#stations.map((station, index) => {
+    fill(list, this.#stations, () => this.#stations.map((station, index) => {
       const item = document.createElement("li");
       const turned = station.heading_rad === null ? "" : `, ${degrees(station.heading_rad)}°`;
       const remove = document.createElement("button");
