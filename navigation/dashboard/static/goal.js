@@ -29,6 +29,7 @@ export class Goal {
   #isAsking = false;
   #isOutdated = false;
   #isSending = false;
+  #wasMine = false;
   #hint = "";
 
   constructor(stage, connection, seat, say) {
@@ -117,7 +118,7 @@ export class Goal {
       this.#draw();
       return;
     }
-    if (event.button !== 0 || !this.#hello || !this.connection.isUp || this.stage.tool) return;
+    if (event.button !== 0 || !this.#hello || this.stage.tool) return;
     event.preventDefault();
     this.stage.element.focus({ preventScroll: true });
     this.stage.element.setPointerCapture(event.pointerId);
@@ -224,7 +225,7 @@ export class Goal {
     if (taken.ok) {
       this.#ask();
     } else {
-      this.clear();
+      this.undo();
       this.say(taken.error);
     }
   }
@@ -274,6 +275,9 @@ export class Goal {
 
   #follow(state) {
     this.stopped = state.mission.state === "stopped";
+    const isMine = this.seat.isMine;
+    if (isMine && !this.#wasMine && this.#preview?.ok === false) this.#ask(); // it was asked without control
+    this.#wasMine = isMine;
     this.#allowSending();
   }
 

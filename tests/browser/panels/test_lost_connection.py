@@ -125,6 +125,52 @@ def test_a_name_that_is_being_typed_stays_and_so_does_the_button_of_the_seat(
     expect(page.locator("#name")).to_have_value("Anna")
 
 
+def test_a_draft_keeps_its_stations_when_one_more_is_refused(
+    open_page: OpenPage, program: ShownProgram
+) -> None:
+    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    wait_for_picture(page)
+    click_at(page, *HERE)
+    click_at(page, *THERE, shift=True)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    program.bring_back()  # it has begun again, and nobody is in control
+    program.hub.seat.take("somebody-elses-key", "Ada", program.hub.clock())
+    expect(page.locator("#seat-text")).to_have_text("Ada is in control")
+    click_at(page, 0.60, 1.55, shift=True)
+    expect(page.locator("#refusal-text")).to_contain_text("Ada is in control")
+    expect(page.locator("#goal-stations li")).to_have_count(2)
+
+
+def test_a_draft_is_planned_again_once_a_program_that_has_begun_again_is_taken(
+    open_page: OpenPage, program: ShownProgram
+) -> None:
+    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    wait_for_picture(page)
+    click_at(page, *THERE)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    program.bring_back()
+    expect(page.locator("#goal-preview")).to_contain_text("take control first")
+    page.locator("#seat").click()
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+
+
+def test_a_press_in_the_arena_meanwhile_is_not_lost_in_silence(open_page: OpenPage) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    lose_connection(page)
+    click_at(page, *HERE)
+    expect(page.locator("#refusal-text")).to_have_text("There is no connection to the program.")
+    regain_connection(page)
+    click_at(page, *HERE)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    lose_connection(page)
+    click_at(page, *THERE, shift=True)
+    expect(page.locator("#goal-preview")).to_contain_text("there is no connection")
+    regain_connection(page)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    expect(page.locator("#goal-stations li")).to_have_count(2)
+
+
 def test_a_view_stays(open_page: OpenPage) -> None:
     page = open_page()
     wait_for_picture(page)
