@@ -180,3 +180,20 @@ def test_a_view_stays(open_page: OpenPage) -> None:
     before = page.locator("#overlay").get_attribute("viewBox")
     lose_and_regain(page)
     assert page.locator("#overlay").get_attribute("viewBox") == before
+
+
+def test_a_page_that_could_not_listen_does_not_take_the_program_for_silent(
+    open_page: OpenPage,
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.evaluate("clearway.connection.on('down', () => { globalThis.wasDown = true; })")
+    for _ in range(3):
+        page.evaluate(
+            """() => new Promise((resolve) => {
+              const end = performance.now() + 1700;
+              while (performance.now() < end);
+              clearway.connection.on("state", resolve);
+            })"""
+        )
+    assert page.evaluate("globalThis.wasDown") is None
