@@ -22,6 +22,7 @@ from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.seat import public_half
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.messages.chronicle import LOG_LINES
 from navigation.dashboard.messages.picture import width_for
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.orders import ZONE_ORDERS, refusal_of
@@ -125,7 +126,7 @@ class Viewer:
             await self._socket.send_bytes(hub.zones.message)
         if self._is_new("places", hub.saved_number):
             await self._send_json({"type": "places", **hub.saved.body()})
-        await self._send_ring("log", hub.chronicle.log, 200)
+        await self._send_ring("log", hub.chronicle.log, LOG_LINES)
         for robot, chronicle in hub.chronicles.rings():
             await self._send_ring("track", chronicle.track, 2000, robot)
             await self._send_ring("samples", chronicle.samples, 240, robot)

@@ -54,3 +54,28 @@ def start_calibration(page: Page) -> None:
     page.locator("#board-dictionary").fill("DICT_5X5_100")
     page.locator("#calibration-start").click()
     expect(page.locator("#calibration-view")).to_be_visible()
+
+
+def lose_connection(page: Page) -> None:
+    """Lose the connection to a program that continues; the page does not connect again."""
+    page.evaluate(
+        """() => {
+          const { connection } = clearway;
+          connection.open = () => {};
+          connection.useToken(connection.token ?? "");
+        }"""
+    )
+    expect(page.locator("#lost")).to_be_visible()
+
+
+def regain_connection(page: Page) -> None:
+    """Connect again, until all that the program sends at first has arrived."""
+    page.evaluate(
+        """() => new Promise((resolve) => {
+          const { connection } = clearway;
+          connection.on("hello", () => connection.on("samples", resolve));
+          delete connection.open;
+          dispatchEvent(new Event("online"));
+        })"""
+    )
+    expect(page.locator("#lost")).to_be_hidden()

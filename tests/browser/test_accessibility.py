@@ -46,7 +46,7 @@ def test_axe_finds_nothing_serious(
     page.locator("#zone-save").dispatch_event("click")
     expect(page.locator("#zone-error")).not_to_be_empty()
     found += serious_findings(page)
-    page.reload()  # axe may have kept the page busy until it took the program for lost
+    page.reload()  # with nothing open
     wait_for_picture(page)
     drive(program, page)
     click_at(page, *HERE)

@@ -15,7 +15,7 @@ from navigation.config.load import load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.mission.mission import State
-from tests.browser.acting import click_at
+from tests.browser.acting import click_at, lose_connection, regain_connection
 from tests.browser.axe import serious_findings
 from tests.browser.pages import Keep, OpenPage
 from tests.browser.programs.live import CONFIGS
@@ -207,10 +207,8 @@ def test_a_stop_button_in_a_hand_stays_when_the_connection_comes_back(open_fleet
     page = open_fleet()
     page.locator("#stop-finn").focus()
     held = page.locator("#stop-finn").element_handle()
-    page.evaluate("clearway.connection.useToken(clearway.connection.token)")
-    page.wait_for_function("!clearway.connection.isUp")
-    page.wait_for_function("clearway.connection.isUp && clearway.stage.svg.isConnected")
-    expect(page.locator("#robot-finn .word")).not_to_have_text("…")
+    lose_connection(page)
+    regain_connection(page)
     assert held.evaluate("(button) => button === document.activeElement")
 
 

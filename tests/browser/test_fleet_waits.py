@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, expect
 from navigation.mission.mission import Station
 from tests.browser.pages import Keep, OpenPage
 from tests.browser.programs.live_fleet import EXCHANGE, LiveFleet, fleet_config
+from tests.browser.programs.served import PATIENCE_S
 
 pytestmark = pytest.mark.slow
 
@@ -27,7 +28,8 @@ def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
     program.hold_when(lambda now: bool(now.waits_for))
     for name, (x, y) in EXCHANGE.items():
         program.people.give((Station(x, y),), name)
-    expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()
+    waits = page.locator("[data-layer=fleet-waits] .wait-head").first
+    expect(waits).to_be_attached(timeout=4000.0 * PATIENCE_S)  # they drive as slowly as the machine
     row = page.locator(".robot-row", has=page.locator(".word", has_text="Waits for")).first
     expect(row.locator(".robot-says")).to_contain_text("has to pass first")
     expect(page.locator("[data-layer=fleet-plans] .own-path")).to_have_count(5)

@@ -26,6 +26,7 @@ def program(roadmap: Roadmap) -> Iterator[ShownProgram]:
 
 
 def the_viewer(program: ShownProgram) -> Attention:
+    """The page to its program: a page that has connected again is another one."""
     until(lambda: len(program.hub.viewers) == 1)
     (viewer,) = program.hub.viewers
     return viewer
@@ -52,20 +53,19 @@ def test_a_page_gets_what_it_shows_and_follows_window_and_zoom(
 ) -> None:
     page = open_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
     wait_for_picture(page)
-    viewer = the_viewer(program)
     shown = shown_px(page)
     assert shown > 100
-    until(lambda: 0 <= viewer.width_px - min(shown, MOST_PX) <= MOST_PX / 8)
-    until(lambda: drawn_px(page) == viewer.width_px)
-    before_px = viewer.width_px
+    until(lambda: 0 <= the_viewer(program).width_px - min(shown, MOST_PX) <= MOST_PX / 8)
+    until(lambda: drawn_px(page) == the_viewer(program).width_px)
+    before_px = the_viewer(program).width_px
     for _ in range(3):
         page.locator("#zoom-in").click()
-    until(lambda: viewer.width_px == MOST_PX)
+    until(lambda: the_viewer(program).width_px == MOST_PX)
     until(lambda: drawn_px(page) == MOST_PX)
     page.locator("#zoom-fit").click()
-    until(lambda: viewer.width_px == before_px)
+    until(lambda: the_viewer(program).width_px == before_px)
     page.set_viewport_size({"width": 400, "height": 500})
-    until(lambda: viewer.width_px < before_px or before_px <= 720)
+    until(lambda: the_viewer(program).width_px < before_px or before_px <= 720)
 
 
 def hide(page: Page, hidden: bool) -> None:
@@ -84,9 +84,9 @@ def test_a_hidden_page_gets_none_and_a_shown_one_gets_them_again(
 ) -> None:
     page = open_page()
     wait_for_picture(page)
-    viewer, hub = the_viewer(program), program.hub
+    hub = program.hub
     hide(page, True)
-    until(lambda: not viewer.is_watching)
+    until(lambda: not the_viewer(program).is_watching)
     until(lambda: not hub.pictures)
     sent, state = hub.pictures_sent, hub.state_number
     until(lambda: hub.state_number > state + 10)
@@ -108,10 +108,11 @@ def test_the_camera_s_picture_comes_in_the_page_s_size_with_what_was_found_in_pl
     wait_for_picture(page)
     page.locator("#stage").focus()
     page.keyboard.press("9")
-    viewer = the_viewer(program)
-    until(lambda: viewer.kind == "camera")
-    until(lambda: drawn_px(page, "camera") == viewer.width_px)
-    assert viewer.width_px < 480, "the width of the camera's picture, in whose pixels the rim is"
+    until(lambda: the_viewer(program).kind == "camera")
+    until(lambda: drawn_px(page, "camera") == the_viewer(program).width_px)
+    assert the_viewer(program).width_px < 480, (
+        "the width of the camera's picture, in whose pixels the rim is"
+    )
     r, _, b = page.evaluate(
         """() => {
           const canvas = document.getElementById("camera");

@@ -14,7 +14,7 @@ from playwright.sync_api import Page, expect
 from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
 from navigation.dashboard.settings.desk import Around, Desk
-from tests.browser.acting import wait_for_picture
+from tests.browser.acting import lose_connection, regain_connection, wait_for_picture
 from tests.browser.axe import serious_findings
 from tests.browser.pages import drive
 from tests.browser.programs.served import ShownProgram, until
@@ -87,6 +87,23 @@ def test_keys_are_found_by_their_meaning_and_the_form_by_keyboard(
     page.keyboard.press("Escape")
     expect(page.locator("#settings")).to_be_hidden()
     expect(page.locator("#settings-open")).to_be_focused()
+
+
+def test_a_form_that_is_read_stays_as_it_is_when_the_connection_comes_back(
+    open_page: OpenPage, file: Path
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#settings-open").click()
+    page.locator("#settings-find").fill("mains")
+    field = page.get_by_label("mains_hz", exact=True)
+    field.focus()
+    held = field.element_handle()
+    lose_connection(page)
+    with page.expect_response("**/api/settings"):
+        regain_connection(page)
+    page.evaluate("fetch('/api/settings').then((answer) => answer.text())")  # it has the first one
+    assert held.evaluate("(field) => field === document.activeElement")
 
 
 def test_a_space_is_typed_while_nothing_moves_and_stops_while_something_does(

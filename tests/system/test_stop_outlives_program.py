@@ -135,7 +135,7 @@ def test_a_stopped_robot_stands_until_it_is_rearmed_and_told_to_go_on(
     bench: Bench, again: Callable[[Bench], None]
 ) -> None:
     assert bench.order("stop").code == 0
-    assert bench.state() == "stopped"
+    assert wait_until(lambda: bench.state() == "stopped", WITHIN_S)
     was = bench.resting_place()
     again(bench)
     assert bench.stands(3.0)
@@ -161,4 +161,4 @@ def test_a_stop_without_a_program_holds_the_next_one_and_only_a_program_lifts_it
     bench.begin()
     assert bench.stands(3.0)
     assert math.dist(bench.pose(), was) <= STOOD_M
-    assert bench.state() == "stopped"
+    assert wait_until(lambda: bench.state() == "stopped", WITHIN_S)

@@ -17,7 +17,8 @@ from navigation.mission.trust import Level
 from navigation.shared.track import is_jump
 from vision.camera.latest_frame import CameraStatus
 
-LOG_LINES: Final = 500
+LOG_LINES: Final = 200
+"""The page shows these: it gets them in one message."""
 TRACK_POINTS: Final = 6000
 SAMPLE_EVERY_S: Final = 0.5
 SAMPLES: Final = 240

@@ -2,6 +2,7 @@
 // In the dashboard it is a panel, which is not modal: STOP stays where it is, and works.
 
 import { drawBoardView } from "./board.js";
+import { fill } from "./list.js";
 import { allow, onPress } from "./press.js";
 import { request } from "./request.js";
 
@@ -115,7 +116,7 @@ export class Calibration {
     for (const place of this.box.querySelectorAll("[data-fact]")) say(place, upper(String(state[place.dataset.fact])));
     byId("calibration-still").value = state.still;
     byId("calibration-reached").value = state.worst_px === null ? 0 : Math.min(1, state.limit_px / state.worst_px);
-    this.#list(remarks);
+    fill(byId("calibration-remarks"), remarks, () => remarks.toReversed().map((text) => Object.assign(document.createElement("li"), { textContent: upper(text) })));
   }
 
   #showPhase({ phase, state }) {
@@ -125,16 +126,6 @@ export class Calibration {
     const [text, kind] = phase === "ended" ? ["ended", "good"] : state.done ? ["enough views", "good"] : seen;
     pill.dataset.state = kind;
     say(pill, text);
-  }
-
-  #list(remarks) {
-    const list = byId("calibration-remarks");
-    if (list.childElementCount === remarks.length && list.firstChild?.textContent === upper(remarks.at(-1) ?? "")) return;
-    list.replaceChildren(...remarks.toReversed().map((text) => {
-      const item = document.createElement("li");
-      item.textContent = upper(text);
-      return item;
-    }));
   }
 
   async #start() {

@@ -16,6 +16,8 @@ export class Connection {
   #socket = null;
   #listeners = new Map();
   #heard = 0;
+  /** Milliseconds of silence at the last check; 0 if something was heard since. */
+  #silent = 0;
   #pause = FIRST_PAUSE_MS;
   #timer = 0;
   #number = 0;
@@ -121,6 +123,7 @@ export class Connection {
   #hear(socket, data) {
     if (socket !== this.#socket) return;
     this.#heard = performance.now();
+    this.#silent = 0;
     const message = typeof data === "string" ? JSON.parse(data) : unpack(data);
     if (!this.isUp && message.type === "hello") {
       this.isUp = true;
@@ -139,10 +142,11 @@ export class Connection {
     asked.resolve(message);
   }
 
-  /** A silent connection is lost, whatever the browser thinks of it. */
+  /** A silent connection is lost, whatever the browser thinks of it; a page that was busy hears first. */
   #check() {
-    const silent = performance.now() - this.#heard;
-    if (this.#socket && silent > SILENT_MS && this.isUp) this.#drop(this.#socket);
+    const before = this.#silent;
+    this.#silent = performance.now() - this.#heard;
+    if (this.#socket && this.#silent > SILENT_MS && before > SILENT_MS / 2 && this.isUp) this.#drop(this.#socket);
     if (!this.isUp) this.emit("down");
   }
 

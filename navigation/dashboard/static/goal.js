@@ -2,6 +2,7 @@
 // length and clearance before anything is sent. The same with the keyboard.
 
 import { stationMark } from "./layers.js";
+import { fill } from "./list.js";
 import { allow } from "./press.js";
 import { element } from "./stage.js";
 import { Clearance } from "./world.js";
@@ -28,6 +29,7 @@ export class Goal {
   #isAsking = false;
   #isOutdated = false;
   #isSending = false;
+  #wasMine = false;
   #hint = "";
 
   constructor(stage, connection, seat, say) {
@@ -44,7 +46,7 @@ export class Goal {
       this.#clearance = new Clearance(this.#hello.arena_m, world);
       this.#askAgain();
     });
-    connection.on("down", () => this.#show());
+    connection.on("down", () => this.#allowSending());
     connection.on("state", (state) => this.#follow(state));
     stage.onResize.push(() => this.#draw());
     this.#listen();
@@ -116,7 +118,7 @@ export class Goal {
       this.#draw();
       return;
     }
-    if (event.button !== 0 || !this.#hello || !this.connection.isUp || this.stage.tool) return;
+    if (event.button !== 0 || !this.#hello || this.stage.tool) return;
     event.preventDefault();
     this.stage.element.focus({ preventScroll: true });
     this.stage.element.setPointerCapture(event.pointerId);
@@ -223,7 +225,7 @@ export class Goal {
     if (taken.ok) {
       this.#ask();
     } else {
-      this.clear();
+      this.undo();
       this.say(taken.error);
     }
   }
@@ -273,6 +275,9 @@ export class Goal {
 
   #follow(state) {
     this.stopped = state.mission.state === "stopped";
+    const isMine = this.seat.isMine;
+    if (isMine && !this.#wasMine && this.#preview?.ok === false) this.#ask(); // it was asked without control
+    this.#wasMine = isMine;
     this.#allowSending();
   }
 
@@ -302,7 +307,7 @@ export class Goal {
     document.getElementById("goal-hint").hidden = any;
     const list = document.getElementById("goal-stations");
     list.hidden = !any;
-    list.replaceChildren(...this.#stations.map((station, index) => {
+    fill(list, this.#stations, () => this.#stations.map((station, index) => {
       const item = document.createElement("li");
       const turned = station.heading_rad === null ? "" : `, ${degrees(station.heading_rad)}°`;
       const remove = document.createElement("button");

@@ -1,6 +1,7 @@
 // Link, camera and planner: each a row with a word, a figure and the last two minutes as a line.
 
 import { Chart } from "./chart.js";
+import { fill } from "./list.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [150, 34];
@@ -147,13 +148,11 @@ function cameraDetail({ camera }) {
 
 /** Each of several cameras with its rate, or why it gives no picture. */
 function showCameras({ item, title, cameras }, each) {
-  const names = each.map((one) => one.name).join("\n");
-  if (cameras.dataset.names !== names) {
-    cameras.dataset.names = names;
+  const isNew = fill(cameras, each.map((one) => one.name), () => each.map(() => Object.assign(document.createElement("li"), { className: "word" })));
+  if (isNew) {
     cameras.hidden = each.length === 0;
     item.classList.toggle("has-each", each.length > 0);
     title.textContent = each.length ? "Cameras" : "Camera";
-    cameras.replaceChildren(...each.map(() => Object.assign(document.createElement("li"), { className: "word" })));
   }
   each.forEach((one, k) => {
     const runs = one.state === "running";
@@ -174,11 +173,8 @@ function linkDetail({ link }) {
 }
 
 function showOddities(list, link) {
-  const met = ODDITIES.filter(([name]) => link[name] > 0);
-  const key = met.map(([name]) => `${name} ${link[name]}`).join();
-  if (list.dataset.key === key) return;
-  list.dataset.key = key;
-  list.replaceChildren(...met.map(([name, words, title]) => Object.assign(document.createElement("li"), { textContent: `${link[name]} ${words}`, title })));
+  const met = ODDITIES.filter(([name]) => link[name] > 0).map(([name, words, title]) => ({ textContent: `${link[name]} ${words}`, title }));
+  fill(list, met, () => met.map((one) => Object.assign(document.createElement("li"), one)));
 }
 
 function plannerWord({ times }) {

@@ -1,5 +1,6 @@
 // The mission's state in words: what the robot does, or why it does not move.
 
+import { fill } from "./list.js";
 import { allow, onPress } from "./press.js";
 
 const WORDS = {
@@ -42,9 +43,7 @@ export class MissionPanel {
     const shown = [...more.filter((reason) => !said.includes(reason)), ...remarks.filter((_, n) => !said.includes(this.#remarks[n]))];
     const list = document.getElementById("reasons");
     list.hidden = shown.length === 0;
-    if (list.textContent !== shown.join("")) {
-      list.replaceChildren(...shown.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
-    }
+    fill(list, shown, () => shown.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
   }
 
   #show(state) {

@@ -1,5 +1,7 @@
 // Saved places: used as a goal or a station, saved, renamed, removed; the same for everybody.
 
+import { fill } from "./list.js";
+
 export class Places {
   #places = [];
   /** The place whose name is being changed, or "". */
@@ -77,7 +79,7 @@ export class Places {
 
   #show() {
     document.getElementById("places-none").hidden = this.#places.length > 0;
-    this.list.replaceChildren(...this.#places.map((place) => {
+    fill(this.list, this.#places, () => this.#places.map((place) => {
       const item = document.createElement("li");
       const turned = place.heading_rad === null ? "" : `, ${Math.round((place.heading_rad * 180) / Math.PI)}°`;
       const use = button(place.name, "use quiet", `Set ${place.name} as the goal`, () => this.goal.use(place));

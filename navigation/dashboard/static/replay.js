@@ -2,6 +2,8 @@
 // viewers. Nothing drives a robot here, and STOP gives way to a sign that says so: the page must not
 // look as if it could stop one.
 
+import { fill } from "./list.js";
+
 const STEP_S = 5;
 const FAR_S = 30;
 const WORD = "RECORDING";
@@ -52,7 +54,7 @@ export class Replay {
     this.bar.hidden = !recording;
     if (!recording) return;
     this.place.max = recording.duration_s;
-    this.speed.replaceChildren(...recording.speeds.map((value) => new Option(`${value}×`, value)));
+    fill(this.speed, recording.speeds, () => recording.speeds.map((value) => new Option(`${value}×`, value)));
     document.getElementById("stop-word").textContent = WORD;
     document.getElementById("stop-key").textContent = NOTE;
     document.getElementById("stop").removeAttribute("aria-keyshortcuts");

@@ -2,6 +2,7 @@
 // and to re-arm it, and to pause, resume or re-arm all.
 
 import { condition } from "./fleet.js";
+import { fill } from "./list.js";
 import { allow, onPress } from "./press.js";
 
 const REARM_AFTER_MS = 1000; // a second press of a hurried hand does not undo the first
@@ -9,7 +10,6 @@ const STOP_MS = 800;
 
 export class Robots {
   #rows = new Map();
-  #madeFor = null;
   #stoppedSince = new Map();
 
   constructor(connection, fleet, seat, say) {
@@ -26,12 +26,14 @@ export class Robots {
     connection.on("state", (state) => { if (state.robots) this.#show(state.robots); });
   }
 
-  /** Make the list; after a lost connection, if other robots are there: one that stays keeps its focus. */
+  /** Make the list; after a lost connection, if other robots are there. */
   #make() {
     const { robots, areSeveral: several } = this.fleet;
-    const names = robots.map(({ name }) => name).join();
-    if (this.#madeFor === names) return;
-    this.#madeFor = names;
+    const isNew = fill(this.list, robots.map(({ name }) => name), () => {
+      this.#rows.clear();
+      return robots.map((robot, index) => this.#row(robot, index));
+    });
+    if (!isNew) return;
     document.body.classList.toggle("has-fleet", several);
     this.card.hidden = !several;
     for (const part of document.querySelectorAll(".of-several")) part.hidden = !several;
@@ -41,8 +43,6 @@ export class Robots {
     const health = document.querySelector(".health");
     if (several) document.getElementById("beneath").prepend(health);
     else this.card.after(health);
-    this.#rows.clear();
-    this.list.replaceChildren(...robots.map((robot, index) => this.#row(robot, index)));
     if (several) this.#showChosen();
   }
 

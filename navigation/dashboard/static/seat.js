@@ -122,9 +122,10 @@ export class Seat {
     if (this.isRecording) return; // the bar says what is played
     const up = this.connection.isUp && this.#state !== null;
     const holder = this.#state?.seat;
-    this.form.hidden = !(up && this.isMine && localStorage.getItem("clearway.name") === null
+    this.form.hidden = !((up || this.form.contains(document.activeElement)) && this.isMine
+      && localStorage.getItem("clearway.name") === null
       && this.#state.mission.state !== "stopped"); // what became of a STOP needs the room
-    this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine && !this.isSupervisor);
+    this.button.hidden = this.#state === null || !this.mayDrive || (Boolean(holder) && !this.isMine && !this.isSupervisor);
     this.button.textContent = this.isMine ? "Release" : "Take control";
     if (!up) this.text.textContent = "";
     else if (this.isMine) this.text.textContent = "You are in control";

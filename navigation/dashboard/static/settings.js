@@ -1,6 +1,7 @@
 // The configuration as a form: checked as it is typed, saved by the person in control. It is not modal:
 // STOP stays where it is, and works.
 
+import { fill } from "./list.js";
 import { allow, onPress } from "./press.js";
 import { request } from "./request.js";
 
@@ -48,17 +49,17 @@ export class Settings {
   }
 
   async #load() {
-    this.#form = null;
     const answer = await request(this.connection, "/api/settings");
     if (!answer.ok) {
       this.#say(answer.error);
       return;
     }
+    const isNew = fill(byId("settings-sections"), answer, () => answer.sections.map((section) => this.#section(section)));
+    if (!isNew) return; // it may be read or typed in
     this.#form = answer;
     this.#typed.clear();
     this.#problems.clear();
     byId("settings-file").textContent = answer.file;
-    byId("settings-sections").replaceChildren(...answer.sections.map((section) => this.#section(section)));
     this.#find();
     this.#show();
   }

@@ -1,6 +1,7 @@
 // The zones' card: the list for everybody; for operators a new zone, edit, rename, move, delete, and
 // undo. While it is open, no press in the arena sets a goal.
 
+import { fill } from "./list.js";
 import { areaOf, covers } from "./zone_area.js";
 import { ZoneForm } from "./zone_form.js";
 import { ZoneTool } from "./zone_tool.js";
@@ -177,7 +178,7 @@ export class Zones {
     byId("zones-orders").hidden = !this.#mayChange;
     byId("zones-none").hidden = this.layer.zones.length > 0;
     const sorted = [...this.layer.zones].sort((a, b) => a.name.localeCompare(b.name, "en", { numeric: true }));
-    this.list.replaceChildren(...sorted.map((zone) => this.#row(zone)));
+    fill(this.list, [sorted, this.#mayChange], () => sorted.map((zone) => this.#row(zone)));
   }
 
   #row(zone) {

@@ -18,7 +18,7 @@ from typing import Any
 from numba.core import event  # documented: numba's manual for developers, "Event API"
 from numba.extending import is_jitted
 
-from navigation.machine.child import FRESH, start_child
+from navigation.machine.child import FRESH, interrupts_wait, start_child
 
 REPORT_EVERY_S = 0.5
 RARELY = (50_000, 20, 100)
@@ -64,11 +64,12 @@ def compile_parts(
     known = 0
     ended: list[str] = []
     try:
-        for name, (work, arguments) in parts.items():
-            ours, theirs = FRESH.Pipe(duplex=False)
-            children[name] = start_child(_compile_and_count, theirs, work, arguments)
-            theirs.close()
-            pipes[ours] = name
+        with interrupts_wait():
+            for name, (work, arguments) in parts.items():
+                ours, theirs = FRESH.Pipe(duplex=False)
+                children[name] = start_child(_compile_and_count, theirs, work, arguments)
+                theirs.close()
+                pipes[ours] = name
         while pipes:
             for pipe in wait(list(pipes)):
                 assert isinstance(pipe, Connection)

@@ -15,7 +15,12 @@ from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.replay_hub import ReplayHub
 from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.recording.tape import read_tape
-from tests.browser.acting import click_at, wait_for_picture
+from tests.browser.acting import (
+    click_at,
+    lose_connection,
+    regain_connection,
+    wait_for_picture,
+)
 from tests.browser.axe import serious_findings
 from tests.browser.pages import Keep, OpenPage
 from tests.navigation.dashboard.kept.test_replay import drive
@@ -32,6 +37,18 @@ def program(tmp_path: Path) -> Iterator[Dashboard]:
     with Dashboard(run, say=lambda _: None, hub=make) as page:
         yield page
     run.close()
+
+
+def test_a_speed_in_a_hand_stays_when_the_connection_comes_back(open_page: OpenPage) -> None:
+    page = open_page()
+    expect(page.locator("#pill-text")).to_have_text("recording")
+    page.keyboard.press("l")  # to the end, with charts that are sent again
+    expect(page.locator("#mission-state")).to_have_text("Arrived")
+    page.locator("#replay-speed").select_option("2")
+    page.locator("#replay-speed").focus()
+    lose_connection(page)
+    regain_connection(page)
+    expect(page.locator("#replay-speed")).to_have_value("2")
 
 
 def test_a_recording_is_looked_at(open_page: OpenPage, keep: Keep) -> None:

@@ -31,6 +31,7 @@ def noise(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.timed  # says how soon Ctrl-C ends it
 def test_at_a_terminal_long_work_is_told_and_ctrl_c_ends_it(noise: Path, tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     arguments = ["roadmap", str(noise), "--radius", "0.1", "-o", str(tmp_path / "out.json")]

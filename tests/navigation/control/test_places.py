@@ -124,6 +124,7 @@ def test_another_daemon_that_took_the_removed_file_keeps_it(
     assert server.failure() is None
 
 
+@pytest.mark.timed  # says how long a daemon that hangs delays a stop of the others
 def test_without_a_path_a_stop_stops_every_daemon_and_other_orders_want_one_named(
     tmp_path: Path, only: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -198,6 +198,7 @@ def test_a_host_that_is_not_this_machine_is_said_and_the_run_goes_on() -> None:
     assert said[0].startswith("no dashboard: 192.0.2.1:0: ")
 
 
+@pytest.mark.timed  # says how soon the page closes
 def test_it_closes_at_once_with_pages_open_and_tells_them() -> None:
     with Site(FakeDaemon()) as site:
         page = site.live()

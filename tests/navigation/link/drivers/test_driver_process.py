@@ -17,6 +17,7 @@ import pytest
 
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.link.drivers import driver_watch
 from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
 from navigation.link.drivers.recognise import recognise
@@ -29,6 +30,13 @@ from tests.support.waiting import wait_until
 NAMES = tuple(KNOWN_ROBOTS)
 END = WaypointFlag.STOP | WaypointFlag.END
 PATIENCE_S = 20.0
+pytestmark = pytest.mark.timed  # twins and leases live by the wall's clock
+
+
+@pytest.fixture(autouse=True)
+def _nothing_hangs_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A driver that gets no processor for 0.2 s would be ended: test_drivers_that_hang.py."""
+    monkeypatch.setattr(driver_watch, "BEAT_MISSED_S", PATIENCE_S)
 
 
 @contextmanager
@@ -94,6 +102,7 @@ def test_a_program_that_is_killed_leaves_no_robot_that_drives_and_no_folder(
 
 PROGRAM = """
 import sys, time
+from navigation.link.drivers import driver_watch
 from navigation.link.drivers.driver_link import DriverLink
 from navigation.link.drivers.driver_process import DriverProcess
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
@@ -102,6 +111,7 @@ from navigation.config.known_robots import KNOWN_ROBOTS
 
 def main():
     name, port = sys.argv[1:]
+    driver_watch.BEAT_MISSED_S = 20.0
     driver = DriverProcess(name, port, KNOWN_ROBOTS[name].baud, settings_of(name))
     driver.start()
     link = DriverLink(driver.port, driver.word)

@@ -1,11 +1,16 @@
 """Kernels compile in processes of their own, and how far they have come is told."""
 
+import multiprocessing
+import signal
 import sys
 import time
+from multiprocessing.context import SpawnProcess
 
 import numba
 import pytest
 
+from navigation.machine.child import start_child
+from navigation.run.kernels import compiling
 from navigation.run.kernels.compiling import CompileProgress, compile_parts
 
 
@@ -42,6 +47,32 @@ def test_giving_up_ends_the_processes() -> None:
     next(running)
     running.close()
     assert time.monotonic() - begin_s < 30.0
+
+
+class Interrupting:
+    """An interrupt while it is sent to the process that it is an argument of."""
+
+    def __reduce__(self) -> tuple[type, tuple[()]]:
+        signal.raise_signal(signal.SIGINT)
+        return int, ()
+
+
+def test_an_interrupt_waits_until_all_processes_are_started_and_then_ends_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    started = []
+
+    def start(*given: object) -> SpawnProcess:
+        child = start_child(*given)  # type: ignore[arg-type]
+        started.append(child)
+        return child
+
+    monkeypatch.setattr(compiling, "start_child", start)
+    parts = {"slow": (time.sleep, (60.0,)), "interrupted": (abs, (Interrupting(),))}
+    with pytest.raises(KeyboardInterrupt):
+        next(compile_parts(parts))
+    assert len(started) == 2
+    assert multiprocessing.active_children() == []
 
 
 @pytest.mark.parametrize(
