@@ -21,7 +21,6 @@ ENDED_WITHIN_S = 8.0
 """A service manager waits for ten."""
 ORPHANS_END_WITHIN_S = 30.0
 """A child loads its modules before it watches its parent; to compile takes minutes."""
-pytestmark = pytest.mark.timed  # says how soon a run and its children end
 
 
 @pytest.fixture

@@ -30,7 +30,6 @@ from tests.support.waiting import wait_until
 NAMES = tuple(KNOWN_ROBOTS)
 END = WaypointFlag.STOP | WaypointFlag.END
 PATIENCE_S = 20.0
-pytestmark = pytest.mark.timed  # twins and leases live by the wall's clock
 
 
 @pytest.fixture(autouse=True)
