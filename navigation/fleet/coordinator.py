@@ -183,6 +183,9 @@ class Coordinator:
                 executed = held.base + one.executed
                 if executed > held.executed and is_seen_there(one, held.promise, executed):
                     held.executed = executed
+        asked = self._asked_ids.items()
+        if not any(name in self._open and self._open[name].id == number for name, number in asked):
+            self._asked = None  # nobody waits for the answer, which a planner that failed never gives
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
         answers = {}
