@@ -185,7 +185,7 @@ class Coordinator:
                     held.executed = executed
         asked = self._asked_ids.items()
         if not any(name in self._open and self._open[name].id == number for name, number in asked):
-            self._asked = None  # nobody waits for the answer, which a planner that failed never gives
+            self._asked = None  # nobody waits for it, and a planner that failed does not answer
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
         answers = {}

@@ -182,7 +182,7 @@ class Daemon:
         turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
-            "planner": self._planner.turns,
+            **self._planner.turns,
             **{f"{_of(name)}link": one.link.turns for name, one in self.robots.items()},
         }
         if self._recorder is not None and not self._recorder.has_ended():

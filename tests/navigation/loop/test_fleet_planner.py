@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Iterator
 from itertools import pairwise, permutations
 from pathlib import Path
@@ -11,7 +12,8 @@ import pytest
 
 from navigation.config import limits_of, load_config
 from navigation.config.several.each_robot import each_robot
-from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Traveller
+from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
@@ -21,6 +23,7 @@ from planner.scene import Bounds
 from planner.zones.areas import CircleArea
 from planner.zones.zone import Zone
 from tests.support.robots.obedient_fleet import HALL
+from tests.support.waiting import wait_until
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "fleet.yaml", {})
 STATIONS = (Station(2.0, 0.4), Station(0.5, 0.4), Station(1.2, 0.4), Station(2.2, 0.4))
@@ -85,3 +88,38 @@ def test_a_preview_asked_while_a_zone_is_taken_over_leaves_the_next_one_with_the
     path = fleet.preview("ada", request).path
     assert isinstance(path, NoPath)
     assert "keep-out zone 'desk'" in path.reason
+
+
+def test_while_robots_drive_a_new_scene_is_checked_before_a_search_for_others_ends() -> None:
+    """An obstacle in a driving robot's path was known only once the path of another was found."""
+    begun, may_end = threading.Event(), threading.Event()
+    checks: list[SceneCheck] = []
+    answers: list[FleetAnswer] = []
+
+    class Searching(FleetPlanner):
+        def answer(self, request: FleetRequest) -> FleetAnswer:
+            begun.set()
+            assert may_end.wait(30.0)
+            return super().answer(request)
+
+    hall = read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8))
+    promise = answer((), STATIONS[0]).promises["bob"]
+    limits = limits_of(each_robot(CONFIG)["ada"])
+    thread = PlannerThread(Searching(each_robot(CONFIG)), checks.append, answers.append)
+    thread.start()
+    thread.see(hall, 1, None)
+    ada = Traveller("ada", START, STATIONS[0], 0.07, limits)
+    try:
+        assert wait_until(lambda: len(checks) == 1, 30.0)
+        thread.ask(FleetRequest(1, 1, (ada,), driving=(Driving(promise, 0, 0, limits),)))
+        assert begun.wait(30.0)
+        thread.see(hall, 2, None)
+        assert wait_until(lambda: [one.revision for one in checks] == [1, 2], 30.0)
+        assert not answers
+        may_end.set()
+        assert wait_until(lambda: bool(answers), 30.0)
+        assert answers[0].scene_revision == 2
+        assert answers[0].promises.keys() == {"ada"}
+    finally:
+        may_end.set()
+        thread.stop()
