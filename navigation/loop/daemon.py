@@ -139,6 +139,7 @@ class Daemon:
 
     def __exit__(self, *_error: object) -> None:
         self.let_the_robots_stop()
+        self.zones.end()
         self._planner.stop()
         for one in self.robots.values():
             one.link.close()

@@ -28,6 +28,8 @@ MOST_UNDONE: Final = 50
 """Chosen: changes that can be taken back."""
 ANSWER_S: Final = 2.0
 """Longest wait of an answer for the disk: chosen, a slow card's sync takes less."""
+RETRY_S: Final = 1.0
+"""Pause before a write that failed is tried again, as a journal's."""
 UNKNOWN: Final = "a restart would not know of this change"
 
 
@@ -48,6 +50,7 @@ class ZonesInForce:
         """Writes of the file."""
         self._writes = False
         """True while a thread writes."""
+        self._ended = False
         self.trouble = ""
         self._before: list[tuple[ZoneSection, ...]] = []
         self.revision = 0
@@ -72,17 +75,29 @@ class ZonesInForce:
         """Return what differs from the configuration."""
         return changes_between(self._configured, self._sections)
 
-    def restore(self, kept: KeptZones) -> list[str]:
-        """Take over the last run's changes, and keep further ones; return what to say.
+    def restore(self, kept: KeptZones | None, earlier: Sequence[ZoneChange] = ()) -> list[str]:
+        """Take over changes of an earlier run, and keep further ones; return what to say.
 
-        ``KeptZonesError`` if they are lost: then no change is kept before :meth:`keep_in`.
+        ``earlier`` are those of the run before in the same program, which hold whatever the file
+        has. ``KeptZonesError`` if the file's are lost: then no change is kept before `keep_in`.
         """
-        sections, said = with_changes(self._configured, kept.read(), self._robots)
-        self._kept = kept
+        lost, changes = None, tuple[ZoneChange, ...]()
+        try:
+            changes = kept.read() if kept is not None else ()
+        except KeptZonesError as error:
+            lost = error
+        newest = {one.name: one for one in (*changes, *earlier)}
+        sections, said = with_changes(self._configured, tuple(newest.values()), self._robots)
         if sections != self._sections:
             self._sections = sections
             self.revision += 1
             self.changed()
+        if lost is not None:
+            raise lost
+        if kept is not None:
+            self._kept = kept
+            if any(one not in changes for one in earlier):
+                self._write()
         return said
 
     def keep_in(self, kept: KeptZones) -> None:
@@ -125,6 +140,12 @@ class ZonesInForce:
             self.revision += 1
         self._tell()
 
+    def end(self) -> None:
+        """Write no more: the run is over."""
+        with self._disk:
+            self._ended = True
+            self._disk.notify_all()
+
     def _tell(self) -> None:
         """Wake the loop, which acts at once, and write the change down."""
         self.changed()
@@ -137,6 +158,7 @@ class ZonesInForce:
         with self._disk:
             self._asked += 1
             asked = self._asked
+            self._disk.notify_all()
             if not self._writes:
                 self._writes = True
                 threading.Thread(
@@ -146,7 +168,7 @@ class ZonesInForce:
                 self.trouble = f"{UNKNOWN}: {kept.path}: not on the disk after {ANSWER_S:g} s"
 
     def _write_newest(self, kept: KeptZones) -> None:
-        """Write the changes until none came meanwhile."""
+        """Write the changes until they are on the disk and none came meanwhile."""
         while True:
             with self._disk:
                 asked = self._asked
@@ -157,8 +179,10 @@ class ZonesInForce:
                 trouble = f"{UNKNOWN}: {error}"
             with self._disk:
                 self.trouble, self._done = trouble, asked
-                self._writes = self._asked > asked
                 self._disk.notify_all()
+                if trouble and self._asked == asked and not self._ended:
+                    self._disk.wait(RETRY_S)
+                self._writes = not self._ended and (bool(trouble) or self._asked > asked)
                 if not self._writes:
                     return
 

@@ -97,7 +97,7 @@ def command(
 
     log.write("info", "started", config=str(config), version=version("clearway"))
     notifier = Notifier.from_environment(os.environ)
-    waits = False
+    waits, zone_changes = False, ()
     while loaded is not None:
         loaded = settled(loaded)
         runner = Runner(
@@ -116,12 +116,12 @@ def command(
             stops=state_folder(os.environ) / FOLDER,
         )
         reload = _Reload(config, loaded, runner, log)
-        runner.waits = waits
+        runner.waits, runner.zone_changes = waits, zone_changes
         if not no_dashboard:
             runner.desk = _desk(config, reload)
         with signals_heard(runner, reload):
             result = runner.run()
-        loaded, waits = reload.fresh, reload.reloader.waits
+        loaded, waits, zone_changes = reload.fresh, reload.reloader.waits, runner.zone_changes
     if report is not None:
         try:
             result.report.write(report)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
 
 from navigation.config.zones import MOST_ZONES, ZoneSection
-from navigation.journal.kept_zones import KeptZones, KeptZonesError
-from navigation.loop.zones_in_force import ZonesInForce
+from navigation.journal.kept_zones import KeptZones, KeptZonesError, ZoneChange
+from navigation.loop.zones_in_force import RETRY_S, ZonesInForce
 from navigation.mission.mission import MissionError
 from tests.navigation.config.test_zones import write_mask
 from tests.navigation.journal.kept import circle
+from tests.support.waiting import wait_until
 
 DESK, DOOR = circle("desk"), circle("door", "wait")
 
@@ -170,12 +172,54 @@ def test_a_change_that_cannot_be_kept_holds_and_says_so(tmp_path: Path) -> None:
     zones.put(DESK)
     assert zones.sections == (DESK,)
     assert "restart would not know" in zones.trouble
-    folder.unlink()
     zones.put(DOOR)
-    assert zones.trouble == ""
+    folder.unlink()
+    assert wait_until(lambda: zones.trouble == "")  # it is tried again without another change
     again = ZonesInForce([], [""])
     again.restore(KeptZones(folder / "zones"))
     assert again.sections == (DESK, DOOR)
+
+
+def test_a_run_that_is_over_writes_no_change_that_failed_over_those_of_the_next(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "folder"
+    first = ZonesInForce([], [""])
+    first.restore(KeptZones(folder / "zones"))
+    folder.write_text("in the way")
+    first.put(DESK)
+    first.end()
+    folder.unlink()
+    second = ZonesInForce([], [""])
+    second.restore(KeptZones(folder / "zones"), first.changes())
+    second.put(DOOR)
+    time.sleep(1.5 * RETRY_S)
+    again = ZonesInForce([], [""])
+    again.restore(KeptZones(folder / "zones"))
+    assert again.sections == (DESK, DOOR)
+
+
+@pytest.mark.parametrize("has_file", [False, True])
+def test_a_run_that_begins_again_has_the_changes_of_the_one_before(
+    tmp_path: Path, *, has_file: bool
+) -> None:
+    """With a file too, where the disk was full; the configuration's own changes hold."""
+    first = ZonesInForce([DESK, DOOR], [""])
+    first.put(circle("new"))
+    first.put(circle("desk", x_m=2.0))
+    second = ZonesInForce([circle("desk", x_m=1.5), DOOR], [""])
+    said = second.restore(KeptZones(tmp_path / "zones") if has_file else None, first.changes())
+    assert second.sections == (circle("desk", x_m=1.5), DOOR, circle("new"))
+    assert len(said) == 2
+    assert (tmp_path / "zones").exists() == has_file
+
+
+def test_changes_of_the_run_before_hold_beside_a_damaged_file(tmp_path: Path) -> None:
+    (tmp_path / "zones").write_text("torn")
+    zones = ZonesInForce([], [""])
+    with pytest.raises(KeptZonesError, match="damaged"):
+        zones.restore(KeptZones(tmp_path / "zones"), [ZoneChange(None, DESK)])
+    assert zones.sections == (DESK,)
 
 
 def test_lost_changes_are_an_error_and_further_ones_are_kept(tmp_path: Path) -> None:
