@@ -9,10 +9,11 @@ killed in between does not drive either.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
-from navigation.journal.kept_zones import KeptZones, KeptZonesError, ZoneChange
+from navigation.journal.kept_zones import KeptZones, KeptZonesError
 from navigation.loop.daemon import Daemon
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.machine.logs import RunLog
 
 
@@ -24,14 +25,14 @@ class RestoredZones:
         daemon: Daemon,
         say: Callable[[str], None],
         log: RunLog,
-        earlier: Sequence[ZoneChange] = (),
+        before: ZonesInForce | None = None,
     ) -> None:
         self._daemon, self._say, self._log = daemon, say, log
         self._lost: KeptZones | None = None
         journal = daemon.config.recording.journal
         kept = None if journal is None else KeptZones.beside(journal)
         try:
-            said = daemon.zones.restore(kept, earlier)
+            said = daemon.zones.restore(kept, before)
         except KeptZonesError as error:
             self._lost = kept
             lost = f"changes of zones are lost: {error}; check the zones before `clearway resume`"

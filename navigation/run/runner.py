@@ -24,11 +24,11 @@ from navigation.config.values import SIMULATED
 from navigation.control import default_socket
 from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
-from navigation.journal.kept_zones import ZoneChange
 from navigation.journal.stop_latch import ports_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
@@ -112,7 +112,7 @@ class Runner:
         """Desk for the page's changes of the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
-        self.zone_changes: tuple[ZoneChange, ...] = ()  # of the run before, then of this one
+        self.zones: ZonesInForce | None = None  # of the run before, then of this one
         self.is_warming_up = False
         self.reload: Callable[[], None] | None = None
         """Reads the configuration and its calibration again; None where nothing was read."""
@@ -149,7 +149,8 @@ class Runner:
                     recorder=recorder,
                 )
             )
-            zones = RestoredZones(daemon, self._say, self._log, self.zone_changes)
+            zones = RestoredZones(daemon, self._say, self._log, self.zones)
+            self.zones = daemon.zones
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             daemon.people.masks_in = None if self._file is None else self._file.absolute().parent
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
@@ -178,7 +179,6 @@ class Runner:
             # before the simulation ends, and with it the tracks of simulated robots
             unwritten = [] if folder is None else write_run(folder, daemon, report)
             self._log_end(report)
-        self.zone_changes = daemon.zones.changes()  # after the last order was taken
         for trouble in (*doubts, *world.doubts, *unwritten):
             self._say(f"trouble: {trouble}")
         for remark in slowness(world.clock):
