@@ -234,9 +234,10 @@ class Answering(Protocol[_Q_contra, _A_co]):
 class PlannerThread(Generic[_Q, _A]):
     """A planner in its own thread; the newest scene and request win.
 
-    While robots drive, a plan for others is searched in a second thread: the driven paths are
-    checked in each new scene and in changed zones meanwhile. ``on_scene`` and ``on_answer`` are
-    called in the threads. `failure` names a scene's error until `restart`.
+    Paths of several robots are searched for in a second thread, since some may drive meanwhile:
+    driven paths are checked in each new scene and in changed zones. Answers come in the order of
+    their requests. ``on_scene`` and ``on_answer`` are called in the threads. `failure` names a
+    scene's error until `restart`.
     """
 
     def __init__(
@@ -291,7 +292,7 @@ class PlannerThread(Generic[_Q, _A]):
     def ask(self, request: _Q) -> None:
         """Hand over a request."""
         with self._wake:
-            if isinstance(request, FleetRequest) and request.driving:
+            if isinstance(request, FleetRequest):
                 self._search = request
             else:
                 self._request = request

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Iterator
 from itertools import pairwise, permutations
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from navigation.config import limits_of, load_config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Traveller
+from navigation.loop.planner_news import PlannerNews
 from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.cycle import PlanRequest
@@ -90,36 +92,83 @@ def test_a_preview_asked_while_a_zone_is_taken_over_leaves_the_next_one_with_the
     assert "keep-out zone 'desk'" in path.reason
 
 
-def test_while_robots_drive_a_new_scene_is_checked_before_a_search_for_others_ends() -> None:
-    """An obstacle in a driving robot's path was known only once the path of another was found."""
-    begun, may_end = threading.Event(), threading.Event()
-    checks: list[SceneCheck] = []
-    answers: list[FleetAnswer] = []
+class Searching(FleetPlanner):
+    """A planner whose first search goes on until it `may_end`."""
 
-    class Searching(FleetPlanner):
-        def answer(self, request: FleetRequest) -> FleetAnswer:
-            begun.set()
-            assert may_end.wait(30.0)
-            return super().answer(request)
+    def __init__(self) -> None:
+        super().__init__(each_robot(CONFIG))
+        self.begun, self.may_end = threading.Event(), threading.Event()
 
-    hall = read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8))
-    promise = answer((), STATIONS[0]).promises["bob"]
-    limits = limits_of(each_robot(CONFIG)["ada"])
-    thread = PlannerThread(Searching(each_robot(CONFIG)), checks.append, answers.append)
-    thread.start()
-    thread.see(hall, 1, None)
-    ada = Traveller("ada", START, STATIONS[0], 0.07, limits)
-    try:
-        assert wait_until(lambda: len(checks) == 1, 30.0)
-        thread.ask(FleetRequest(1, 1, (ada,), driving=(Driving(promise, 0, 0, limits),)))
-        assert begun.wait(30.0)
-        thread.see(hall, 2, None)
-        assert wait_until(lambda: [one.revision for one in checks] == [1, 2], 30.0)
-        assert not answers
-        may_end.set()
-        assert wait_until(lambda: bool(answers), 30.0)
-        assert answers[0].scene_revision == 2
-        assert answers[0].promises.keys() == {"ada"}
-    finally:
-        may_end.set()
-        thread.stop()
+    def answer(self, request: FleetRequest) -> FleetAnswer:
+        if request.id == 1:
+            self.begun.set()
+            assert self.may_end.wait(30.0)
+        return super().answer(request)
+
+
+class Searched:
+    """Its thread, and what comes of it; ``ada`` asks beside ``bob``, who drives."""
+
+    def __init__(self) -> None:
+        self.planner = Searching()
+        self.checks: list[SceneCheck] = []
+        self.news = PlannerNews(self.planner, time.monotonic, lambda: None, None)
+        self.answers: list[FleetAnswer] = []
+        self.thread = PlannerThread(self.planner, self.checks.append, self.on_answer)
+        self.hall = read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8))
+        limits = limits_of(each_robot(CONFIG)["ada"])
+        self.ada = Traveller("ada", START, STATIONS[0], 0.07, limits)
+        self.bob = Driving(answer((), STATIONS[0]).promises["bob"], 0, 0, limits)
+
+    def on_answer(self, one: FleetAnswer) -> None:
+        self.answers.append(one)
+        self.news.on_answer(one)
+
+    def __enter__(self) -> Searched:
+        self.thread.start()
+        self.sees(1)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.planner.may_end.set()
+        self.thread.stop()
+
+    def sees(self, revision: int) -> None:
+        """Wait until a scene is checked."""
+        self.thread.see(self.hall, revision, None)
+        assert wait_until(lambda: bool(self.checks) and self.checks[-1].revision == revision, 30.0)
+
+
+@pytest.mark.parametrize("others_join", [True, False])
+def test_while_robots_drive_a_new_scene_is_checked_before_a_search_ends(
+    *, others_join: bool
+) -> None:
+    """An obstacle in a driving robot's path was known only once the path of another was found.
+
+    In the midst of a plan of all robots drive where all held, and asked again.
+    """
+    with Searched() as one:
+        driving = (one.bob,) if others_join else ()
+        one.thread.ask(FleetRequest(1, 1, (one.ada,), driving=driving))
+        assert one.planner.begun.wait(30.0)
+        one.sees(2)
+        assert not one.answers
+        one.planner.may_end.set()
+        assert wait_until(lambda: bool(one.answers), 30.0)
+        assert one.answers[0].scene_revision == 2
+        assert one.answers[0].promises.keys() == {"ada"}
+
+
+def test_the_answer_that_the_loop_finds_is_the_newest_request_s() -> None:
+    """One of a withdrawn request came after it, and took its place: nobody got a path."""
+    with Searched() as one:
+        one.thread.ask(FleetRequest(1, 1, (one.ada,), driving=(one.bob,)))
+        assert one.planner.begun.wait(30.0)
+        one.thread.ask(FleetRequest(2, 1, (one.ada,)))
+        one.sees(2)
+        one.sees(3)  # whatever the thread of the scenes took before has been answered
+        one.planner.may_end.set()
+        assert wait_until(lambda: len(one.answers) == 2, 30.0)
+        _checks, found = one.news.take()
+        assert isinstance(found, FleetAnswer)
+        assert found.id == 2
