@@ -87,13 +87,14 @@ class Coordinator:
         members: Mapping[str, Member],
         revision: int,
         answer: FleetAnswer | None,
+        zones_since: int = 0,
     ) -> FleetOrders:
-        """Run one cycle by the rules above."""
+        """Run one cycle by the rules above; the zones hold since revision ``zones_since``."""
         self._follow(members)
         answers: dict[str, PlanAnswer] = {}
         errands: dict[str, Station] = {}
         if answer is not None and self._asked is not None and answer.id == self._asked.id:
-            answers |= self._take(now_s, answer, members)
+            answers |= self._take(now_s, answer, members, zones_since)
             errands = {n: one.promise.station for n, one in self.held.items() if one.errand}
         astray = any(one.at_large for one in members.values())
         self._runaways = [] if astray else runaways_of(members, self.held)
@@ -182,6 +183,9 @@ class Coordinator:
                 executed = held.base + one.executed
                 if executed > held.executed and is_seen_there(one, held.promise, executed):
                     held.executed = executed
+        asked = self._asked_ids.items()
+        if not any(name in self._open and self._open[name].id == number for name, number in asked):
+            self._asked = None  # nobody waits for it, and a planner that failed does not answer
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
         answers = {}
@@ -327,10 +331,12 @@ class Coordinator:
         return self._asked, {}
 
     def _take(
-        self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member]
+        self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member], zones_since: int
     ) -> dict[str, PlanAnswer]:
         assert self._asked is not None
         asked, self._asked = self._asked, None
+        if answer.scene_revision < zones_since:
+            return {}  # other zones: robots that ask will ask again
         starts = {one.name: one.start for one in (*asked.travellers, *asked.idle)}
         if answer.cannot:
             self._gather(now_s, f"planning together with {asked.travellers[0].name}")

@@ -144,18 +144,24 @@ class KeptZones:
             return f"{self.path}: cannot be put aside: {error.strerror or error}"
         return f"{self.path}: kept as {aside.name}"
 
-    def write(self, changes: Sequence[ZoneChange]) -> None:
-        """Keep the changes; they are on disk when this returns. ``KeptZonesError``."""
+    def encoded(self, changes: Sequence[ZoneChange]) -> bytes:
+        """Return the file's content, empty without a change; ``KeptZonesError`` if too long."""
+        if not changes:
+            return b""
+        data = seal(KIND, VERSION, json.dumps([_record(one) for one in changes]))
+        if len(data) > MOST_BYTES:
+            most = f"must be at most {MOST_BYTES}"
+            raise KeptZonesError(f"{self.path}: {len(data)} bytes of zones: {most}")
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Keep what `encoded` returned; it is on disk when this returns. ``KeptZonesError``."""
         try:
-            if not changes:
+            if not data:
                 with contextlib.suppress(FileNotFoundError):
                     self.path.unlink()
                     sync_folder(self.path.parent)
                 return
-            data = seal(KIND, VERSION, json.dumps([_record(one) for one in changes]))
-            if len(data) > MOST_BYTES:
-                most = f"must be at most {MOST_BYTES}"
-                raise KeptZonesError(f"{self.path}: {len(data)} bytes of zones: {most}")
             self.path.parent.mkdir(parents=True, exist_ok=True)
             write_whole(self.path, data, private=True, durable=True)
         except UnwrittenFileError as error:

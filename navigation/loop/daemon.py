@@ -139,6 +139,7 @@ class Daemon:
 
     def __exit__(self, *_error: object) -> None:
         self.let_the_robots_stop()
+        self.zones.end()
         self._planner.stop()
         for one in self.robots.values():
             one.link.close()
@@ -182,7 +183,7 @@ class Daemon:
         turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
-            "planner": self._planner.turns,
+            **self._planner.turns,
             **{f"{_of(name)}link": one.link.turns for name, one in self.robots.items()},
         }
         if self._recorder is not None and not self._recorder.has_ended():

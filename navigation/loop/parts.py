@@ -144,8 +144,8 @@ class PlannerPart(Protocol[_Q_contra]):
     """Builder of roadmaps and answers beside the control loop."""
 
     @property
-    def turns(self) -> int:
-        """Counter like `FrameSource.turns`."""
+    def turns(self) -> dict[str, int]:
+        """Counters like `FrameSource.turns`, by thread."""
         ...
 
     def start(self) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 import planner
 from navigation.fleet.refusals import because_of
+from navigation.fleet.request import FleetRequest
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.targets import drop_steered_heading, targets_of, within_caps
@@ -210,7 +211,6 @@ def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
     return with_objects(scene, robots)
 
 
-RESTART_PATIENCE_S = 1.0
 _Q = TypeVar("_Q")
 _A = TypeVar("_A")
 _Q_contra = TypeVar("_Q_contra", contravariant=True)
@@ -234,8 +234,10 @@ class Answering(Protocol[_Q_contra, _A_co]):
 class PlannerThread(Generic[_Q, _A]):
     """A planner in its own thread; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread. A scene's error ends the thread;
-    `failure` names it, and `restart` starts a new thread.
+    Paths of several robots are searched for in a second thread, since some may drive meanwhile:
+    driven paths are checked in each new scene and in changed zones. Answers come in the order of
+    their requests. ``on_scene`` and ``on_answer`` are called in the threads. `failure` names a
+    scene's error until `restart`.
     """
 
     def __init__(
@@ -250,22 +252,30 @@ class PlannerThread(Generic[_Q, _A]):
         self._scene: tuple[Scene, int, FloatArray | None, Sequence[Zone]] | None = None
         self._zones: Sequence[Zone] = ()
         self._request: _Q | None = None
+        self._search: _Q | None = None
+        """The request for the second thread."""
         self._stopping = False
         self._error: Exception | None = None
-        self.turns = 0
-        self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
+        self._rounds = {"planner": self._one_round, "search": self._one_search}
+        self.turns = dict.fromkeys(self._rounds, 0)
+        self._threads = [
+            threading.Thread(target=self._run, args=(name,), name=name, daemon=True)
+            for name in self._rounds
+        ]
 
     def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
+        """Start the threads."""
+        for thread in self._threads:
+            thread.start()
 
     def stop(self, timeout_s: float = 1.0) -> None:
-        """End the thread after its present work."""
+        """End the threads after their present work."""
         with self._wake:
             self._stopping = True
-            self._wake.notify()
-        if self._thread.ident is not None:  # a daemon whose port failed never started it
-            self._thread.join(timeout_s)
+            self._wake.notify_all()
+        for thread in self._threads:
+            if thread.ident is not None:  # a daemon whose port failed never started it
+                thread.join(timeout_s)
 
     def see(
         self,
@@ -277,36 +287,47 @@ class PlannerThread(Generic[_Q, _A]):
         """Hand over scene, present path and zones."""
         with self._wake:
             self._scene = (scene, revision, path_points, zones)
-            self._wake.notify()
+            self._wake.notify_all()
 
     def ask(self, request: _Q) -> None:
         """Hand over a request."""
         with self._wake:
-            self._request = request
-            self._wake.notify()
+            if isinstance(request, FleetRequest):
+                self._search = request
+            else:
+                self._request = request
+            self._wake.notify_all()
 
     def failure(self) -> str | None:
-        """Error that ended the thread, in words."""
+        """Error of the last scene that failed, in words."""
         return None if self._error is None else in_words(self._error)
 
     def restart(self) -> None:
-        """Start a new thread after an error; waiting requests are dropped."""
-        self._thread.join(RESTART_PATIENCE_S)
+        """Forget an error; what waits is dropped."""
         with self._wake:
-            self._scene = self._request = None
+            self._scene = self._request = self._search = None
         self._error = None
-        self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
-        self._thread.start()
 
-    def _run(self) -> None:
-        try:
-            while self._one_round():
-                pass
-        except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts the thread
-            self._error = error
+    def _run(self, name: str) -> None:
+        goes_on = True
+        while goes_on:
+            try:
+                goes_on = self._rounds[name]()
+            except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts the planner
+                self._error = error
+            self.turns[name] += 1
+
+    def _one_search(self) -> bool:
+        with self._wake:
+            self._wake.wait_for(lambda: self._search or self._stopping, LONGEST_WAIT_S)
+            request, self._search = self._search, None
+            if self._stopping:
+                return False
+        if request is not None:
+            self._on_answer(self.planner.answer(request))
+        return True
 
     def _one_round(self) -> bool:
-        self.turns += 1
         with self._wake:
             self._wake.wait_for(
                 lambda: self._scene or self._request or self._stopping, LONGEST_WAIT_S

@@ -2,8 +2,7 @@
 
 Any thread may change them; the control loop acts in its next cycle. A zone keeps its written form,
 for pages and files. A change that a file keeps is on the disk before it is answered, or the answer
-says that it is not: a thread writes it, so that no order waits longer than ``ANSWER_S`` for a disk
-that hangs.
+says that it is not.
 """
 
 from __future__ import annotations
@@ -21,34 +20,26 @@ from navigation.journal.kept_zones import (
     changes_between,
     with_changes,
 )
+from navigation.journal.zones_writer import ZonesWriter
 from navigation.mission.mission import MissionError
 from planner.zones.zone import Zone
 
 MOST_UNDONE: Final = 50
 """Chosen: changes that can be taken back."""
-ANSWER_S: Final = 2.0
-"""Longest wait of an answer for the disk: chosen, a slow card's sync takes less."""
-UNKNOWN: Final = "a restart would not know of this change"
 
 
 class ZonesInForce:
     """The zones in the order in which they were made; ``robots`` are the known names.
 
-    ``changed`` is called after each change, in the thread that made it. ``trouble`` says why a
-    restart would not know of the changes, although a file keeps them.
+    ``changed`` is called after each change, in the thread that made it.
     """
 
     def __init__(self, zones: Sequence[ZoneSection], robots: Collection[str]) -> None:
         self._robots = frozenset(robots) - {""}
         self._lock = threading.Lock()
         self._sections = self._configured = tuple(zones)
-        self._kept: KeptZones | None = None
-        self._disk = threading.Condition()
-        self._asked = self._done = 0
-        """Writes of the file."""
-        self._writes = False
-        """True while a thread writes."""
-        self.trouble = ""
+        self._writer: ZonesWriter | None = None
+        self._ended = False
         self._before: list[tuple[ZoneSection, ...]] = []
         self.revision = 0
         """Number of changes so far."""
@@ -66,29 +57,54 @@ class ZonesInForce:
     @property
     def are_kept(self) -> bool:
         """True if a file keeps the changes."""
-        return self._kept is not None
+        return self._writer is not None
+
+    @property
+    def trouble(self) -> str:
+        """Reason why a restart would not know of the changes, although a file keeps them."""
+        return "" if self._writer is None else self._writer.trouble
 
     def changes(self) -> tuple[ZoneChange, ...]:
         """Return what differs from the configuration."""
         return changes_between(self._configured, self._sections)
 
-    def restore(self, kept: KeptZones) -> list[str]:
-        """Take over the last run's changes, and keep further ones; return what to say.
+    def restore(self, kept: KeptZones | None, before: ZonesInForce | None = None) -> list[str]:
+        """Take over changes of an earlier run, and keep further ones; return what to say.
 
-        ``KeptZonesError`` if they are lost: then no change is kept before :meth:`keep_in`.
+        ``before`` are the zones of the run before in the same program: its changes hold whatever
+        its file has, and beside those of another file. ``KeptZonesError`` if the file's are lost:
+        then no change is kept before `keep_in`.
         """
-        sections, said = with_changes(self._configured, kept.read(), self._robots)
-        self._kept = kept
+        lost, in_file = None, dict[str, ZoneChange]()
+        try:
+            in_file = {} if kept is None else {one.name: one for one in kept.read()}
+        except KeptZonesError as error:
+            lost = error
+        newest, writer = in_file, None
+        if before is not None:
+            newest = {one.name: one for one in before.changes()}
+            writer = before._writer
+            if writer is None or kept is None or writer.kept.path != kept.path:
+                newest, writer = in_file | newest, None
+        sections, said = with_changes(self._configured, tuple(newest.values()), self._robots)
         if sections != self._sections:
             self._sections = sections
             self.revision += 1
             self.changed()
+        if lost is not None:
+            raise lost
+        if kept is not None:
+            self._writer = writer or ZonesWriter(kept)
+            self._writer.take_over(self.changes)
+            if newest != in_file or self.trouble:
+                self._writer.write()
         return said
 
     def keep_in(self, kept: KeptZones) -> None:
         """Keep the changes so far and all further ones."""
-        self._kept = kept
-        self._write()
+        self._writer = ZonesWriter(kept)
+        self._writer.take_over(self.changes)
+        self._writer.write()
 
     def put(self, zone: ZoneSection) -> None:
         """Add a zone, or replace the one of its name; ``MissionError``."""
@@ -121,48 +137,28 @@ class ZonesInForce:
         with self._lock:
             if not self._before:
                 raise MissionError("no change of zones to take back")
-            self._sections = self._before.pop()
-            self.revision += 1
+            *before, last = self._before
+            self._set(last)
+            self._before = before
         self._tell()
+
+    def end(self) -> None:
+        """Refuse further changes, and wait a little for the disk: the run is over."""
+        with self._lock:
+            self._ended = True
+            self.changed = lambda: None
+        if self._writer is not None:
+            self._writer.end()
 
     def _tell(self) -> None:
         """Wake the loop, which acts at once, and write the change down."""
         self.changed()
-        self._write()
-
-    def _write(self) -> None:
-        kept = self._kept
-        if kept is None:
-            return
-        with self._disk:
-            self._asked += 1
-            asked = self._asked
-            if not self._writes:
-                self._writes = True
-                threading.Thread(
-                    target=self._write_newest, args=(kept,), name="zones", daemon=True
-                ).start()
-            if not self._disk.wait_for(lambda: self._done >= asked, ANSWER_S):
-                self.trouble = f"{UNKNOWN}: {kept.path}: not on the disk after {ANSWER_S:g} s"
-
-    def _write_newest(self, kept: KeptZones) -> None:
-        """Write the changes until none came meanwhile."""
-        while True:
-            with self._disk:
-                asked = self._asked
-            trouble = ""
-            try:
-                kept.write(self.changes())
-            except KeptZonesError as error:
-                trouble = f"{UNKNOWN}: {error}"
-            with self._disk:
-                self.trouble, self._done = trouble, asked
-                self._writes = self._asked > asked
-                self._disk.notify_all()
-                if not self._writes:
-                    return
+        if self._writer is not None:
+            self._writer.write()
 
     def _set(self, sections: tuple[ZoneSection, ...]) -> None:
+        if self._ended:
+            raise MissionError("this run is over: its zones are not changed any more")
         self._before = [*self._before[1 - MOST_UNDONE :], self._sections]
         self._sections = sections
         self.revision += 1

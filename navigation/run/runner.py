@@ -28,6 +28,7 @@ from navigation.journal.stop_latch import ports_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
@@ -100,8 +101,7 @@ class Runner:
         self._robots = robots_of(config)
         self.interrupt = threading.Event()
         self._once, self._file = once, file
-        self._socket, self._stops = socket, stops
-        self._record = record
+        self._socket, self._stops, self._record = socket, stops, record
         self._dashboard = dashboard and config.dashboard.enabled
         self._show_token = show_token
         self._log = RunLog(log or EventLog(sys.stderr, None, now=datetime.now))
@@ -112,6 +112,7 @@ class Runner:
         """Desk for the page's changes of the configuration; set before `run`."""
         self.waits = False
         """For orders, instead of driving the configured mission."""
+        self.zones: ZonesInForce | None = None  # of the run before, then of this one
         self.is_warming_up = False
         self.reload: Callable[[], None] | None = None
         """Reads the configuration and its calibration again; None where nothing was read."""
@@ -148,7 +149,8 @@ class Runner:
                     recorder=recorder,
                 )
             )
-            zones = RestoredZones(daemon, self._say, self._log)
+            zones = RestoredZones(daemon, self._say, self._log, self.zones)
+            self.zones = daemon.zones
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             daemon.people.masks_in = None if self._file is None else self._file.absolute().parent
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)

@@ -278,7 +278,7 @@ class VirtualPlanner(Generic[_Q, _A]):
         self._on_scene, self._on_answer = on_scene, on_answer
         self._failure: str | None = None
         self._zones: Sequence[Zone] = ()
-        self.turns = 0
+        self.turns = {"planner": 0}
 
     def start(self) -> None:
         """Nothing to do."""
@@ -295,7 +295,7 @@ class VirtualPlanner(Generic[_Q, _A]):
         self._failure = None
 
     def _try(self, work: Callable[[], None]) -> None:
-        self.turns += 1
+        self.turns["planner"] += 1
         if self._failure is not None:
             return
         try:

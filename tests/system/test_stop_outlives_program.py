@@ -162,3 +162,12 @@ def test_a_stop_without_a_program_holds_the_next_one_and_only_a_program_lifts_it
     assert bench.stands(3.0)
     assert math.dist(bench.pose(), was) <= STOOD_M
     assert wait_until(lambda: bench.state() == "stopped", WITHIN_S)
+
+
+def test_a_zone_that_no_file_keeps_holds_after_a_reload(bench: Bench) -> None:
+    assert bench.order("stop").code == 0
+    corner = {"name": "corner", "kind": "keep_out", "circle": [2.2, 0.2, 0.05]}
+    assert send_order(bench.socket, {"order": "zone_put", "zone": corner})["kept"]
+    (bench.folder / "runs" / "robot.journal.zones").unlink()
+    reloaded(bench)
+    assert "'corner'" in call("zone", "list", "--socket", bench.socket).out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 
 import click
@@ -44,10 +45,11 @@ def command(recording: Path, no_browser: bool, port: int) -> int:
     voice.say(f"{recording}: {duration_s:.1f} s, {len(tape.pictures)} pictures{cut}")
     player = Player(duration_s)
     player.seek(time.monotonic(), 0.0)
-    run = ReplayedRun(tape, player, DashboardSection(port=port), time.monotonic)
     say = opening(None if no_browser else browser_here(os.environ), voice.say)
-    page = Dashboard(run, say=say, hub=lambda: ReplayHub(run, clock=time.monotonic))
-    with page:
+    with (
+        closing(ReplayedRun(tape, player, DashboardSection(port=port), time.monotonic)) as run,
+        Dashboard(run, say=say, hub=lambda: ReplayHub(run, clock=time.monotonic)) as page,
+    ):
         if page.url is None:
             return 1
         threading.Event().wait()  # until Ctrl-C

@@ -97,7 +97,7 @@ def command(
 
     log.write("info", "started", config=str(config), version=version("clearway"))
     notifier = Notifier.from_environment(os.environ)
-    waits = False
+    waits, zones = False, None
     while loaded is not None:
         loaded = settled(loaded)
         runner = Runner(
@@ -116,12 +116,12 @@ def command(
             stops=state_folder(os.environ) / FOLDER,
         )
         reload = _Reload(config, loaded, runner, log)
-        runner.waits = waits
+        runner.waits, runner.zones = waits, zones
         if not no_dashboard:
             runner.desk = _desk(config, reload)
         with signals_heard(runner, reload):
             result = runner.run()
-        loaded, waits = reload.fresh, reload.reloader.waits
+        loaded, waits, zones = reload.fresh, reload.reloader.waits, runner.zones
     if report is not None:
         try:
             result.report.write(report)

@@ -205,7 +205,7 @@ def _print(answer: dict[str, Any], form: str, lines: Iterable[str]) -> None:
     for line in lines:
         click.echo(line)
     if not answer["kept"]:
-        click.echo("until this run ends: no recording.journal, or its file of zones is damaged")
+        click.echo("until this program ends: no recording.journal, or its file of zones is damaged")
     print_state(answer)
 
 

@@ -40,6 +40,8 @@ class Coordinated:
         self.planner = FleetPlanner(configs, search_clock)
         self._coordinator = Coordinator(self.planner.path_clearance_m, self.planner.rules)
         self._answer: FleetAnswer | None = None
+        self._zones_since = 0
+        """Revision of the scene in which the zones changed last."""
         self.waits: Mapping[str, str] = {}
         self.waits_for: Mapping[str, str] = {}
 
@@ -55,12 +57,13 @@ class Coordinated:
         """Yield the check of each driven path."""
         if not checks:
             return
-        changed = any(check.zones_changed for check in checks)
+        changed = [check.revision for check in checks if check.zones_changed]
+        self._zones_since = max([self._zones_since, *changed])
         for name, one in self._robots.items():
             path = one.pilot.plan.path
             if path is not None:
                 rules = self.planner.rules(name)
-                breach = breach_of(one, rules, zones_changed=changed)
+                breach = breach_of(one, rules, zones_changed=bool(changed))
                 breach = breach or self._coordinator.breach(name)
                 yield PathCheck(name, self.planner.path_clearance_m(path.points), breach)
 
@@ -75,7 +78,7 @@ class Coordinated:
             name: member(one, now_s, decided[name].orders, decided[name].snapshot)
             for name, one in self._robots.items()
         }
-        fleet = self._coordinator.step(now_s, members, revision, self._answer)
+        fleet = self._coordinator.step(now_s, members, revision, self._answer, self._zones_since)
         self.waits, self.waits_for = fleet.waits, fleet.waits_for
         return TrafficOrders(
             fleet.request, fleet.plan_again, fleet.answers, fleet.holds, fleet.errands

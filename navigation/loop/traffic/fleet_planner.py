@@ -30,9 +30,9 @@ class FleetPlanner:
         smallest = min(configs.values(), key=lambda config: config.robot.radius_m)
         self._arena = ArenaPlanner(plan_settings(smallest))  # without zones
         self._keep_m = min(config.safety.other_robots_m for config in configs.values())
-        self._scene: Scene | None = None
+        self._seen: tuple[Roadmap, Scene, int, tuple[Zone, ...]] | None = None
+        """Newest scene with its roadmap, revision and zones: threads read it as a whole."""
         self._previewing = threading.Lock()
-        self._zones: tuple[Zone, ...] = ()
         self._rules: dict[str, Rules] = {}
         self._alone = {
             name: ArenaPlanner(plan_settings(one), name) for name, one in configs.items()
@@ -51,8 +51,9 @@ class FleetPlanner:
 
     def see(self, scene: Scene, revision: int, zones: Sequence[Zone] = ()) -> None:
         """Take over a new scene and its zones."""
-        self._scene, self._zones = scene, tuple(zones)
-        self._arena.see(scene, revision)  # last: a preview that knows this revision looks no more
+        self._arena.see(scene, revision)
+        assert self._arena.roadmap is not None
+        self._seen = self._arena.roadmap, scene, revision, tuple(zones)
         self._rules = {
             name: rules_for(zones_for(zones, name), scene, one.settings.radius_m)
             for name, one in self._alone.items()
@@ -74,31 +75,30 @@ class FleetPlanner:
         """Return one robot's plan as if it were alone."""
         planner = self._alone[robot]
         with self._previewing:
-            scene = self._scene
-            if scene is not None and planner.revision != self._arena.revision:
-                planner.see(scene, self._arena.revision, self._zones)
+            if self._seen is not None and planner.revision != self._seen[2]:
+                planner.see(*self._seen[1:])
             return planner.answer(request, preview=True)
 
     def answer(self, request: FleetRequest) -> FleetAnswer:
         """Return promises for all that can move; an error of the planner refuses everyone."""
         names = [one.name for one in request.travellers]
-        if self.roadmap is None or self._scene is None:
+        if self._seen is None:
             return FleetAnswer(request.id, 0, {}, dict.fromkeys(names, "no scene was seen yet"))
-        revision = self._arena.revision
+        roadmap, scene, revision, zones = self._seen
         try:
             orders = {one.name: self._best_order(one) for one in request.travellers}
             travellers = tuple(_bound_first(one, orders[one.name]) for one in request.travellers)
             request = replace(
                 request,
-                travellers=tuple(self._with_zones(one) for one in travellers),
-                idle=tuple(self._with_zones(one) for one in request.idle),
+                travellers=tuple(_with_zones(one, zones) for one in travellers),
+                idle=tuple(_with_zones(one, zones) for one in request.idle),
                 driving=tuple(
-                    replace(one, zones=zones_for(self._zones, one.promise.name))
+                    replace(one, zones=zones_for(zones, one.promise.name))
                     for one in request.driving
                 ),
             )
             plan = join_promises if request.driving else plan_promises
-            answer = plan(self.roadmap, self._scene, request, self._keep_m, self._clock)
+            answer = plan(roadmap, scene, request, self._keep_m, self._clock)
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
             why = f"the planner failed on this request ({in_words(error)})"
             return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))
@@ -108,9 +108,6 @@ class FleetPlanner:
         }
         return replace(answer, promises=promises, scene_revision=revision)
 
-    def _with_zones(self, one: Traveller) -> Traveller:
-        return replace(one, zones=zones_for(self._zones, one.name))
-
     def _best_order(self, one: Traveller) -> tuple[int, ...]:
         """Shortest order of its stations but the last if alone; else as written."""
         stations = one.open_order
@@ -119,6 +116,10 @@ class FleetPlanner:
         request = PlanRequest(0, one.start, stations, self.revision, any_order=True)
         path = self.preview(one.name, request).path
         return tuple(range(len(stations) - 1)) if isinstance(path, NoPath) else path.order
+
+
+def _with_zones(one: Traveller, zones: Sequence[Zone]) -> Traveller:
+    return replace(one, zones=zones_for(zones, one.name))
 
 
 def _bound_first(one: Traveller, order: tuple[int, ...]) -> Traveller:

@@ -71,6 +71,42 @@ def test_while_a_goal_is_planned_nobody_is_sent_more_than_it_has(
     assert said[-1] is not None
 
 
+def test_an_answer_older_than_the_zones_changes_no_promise_and_is_asked_for_again() -> None:
+    """Its gates may be in a no-waiting zone that was drawn meanwhile."""
+    fleet = Fleet(HALL, {"a": (0.2, 0.8), "b": (1.0, 0.2)}, late=3)
+    fleet.robots["a"].go((1.8, 0.8))
+    fleet.until_driving("a")
+    before = fleet.coordinator.held["a"].promise
+    fleet.robots["b"].go((1.0, 1.4))
+    fleet.step()
+    assert fleet.requests[-1].driving
+    fleet.revision = fleet.zones_since = 2
+    for _ in range(3):
+        fleet.step()
+    assert [one.scene_revision for one in fleet.requests] == [1, 1, 2]
+    assert fleet.coordinator.held["a"].promise is before
+    assert "b" not in fleet.coordinator.held
+    fleet.run()
+    assert at(fleet, "a", (1.8, 0.8))
+    assert at(fleet, "b", (1.0, 1.4))
+
+
+def test_a_request_that_nobody_waits_for_any_more_keeps_nobody_from_the_next() -> None:
+    """A planner that fails answers nothing, and the robots hold and ask again."""
+    fleet = Fleet(HALL, {"a": (0.2, 0.8), "b": (1.0, 0.2)}, late=3, patient=True)
+    fleet.robots["a"].go((1.8, 0.8))
+    fleet.until_driving("a")
+    fleet.robots["b"].go((1.0, 1.4))
+    fleet.step()
+    assert fleet.requests[-1].driving
+    fleet._due = 0
+    for one in fleet.robots.values():
+        one.hold(fleet.now_s + 1.0)
+    fleet.run()
+    assert at(fleet, "a", (1.8, 0.8))
+    assert at(fleet, "b", (1.0, 1.4))
+
+
 def test_a_robot_whose_mission_ends_on_its_path_has_not_driven_the_rest() -> None:
     fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 0.3)})
     fleet.robots["b"].go((0.3, 0.8))

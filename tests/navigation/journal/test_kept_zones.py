@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -35,8 +36,13 @@ ZONE = st.builds(
 ZONES = st.lists(ZONE, max_size=3, unique_by=lambda one: one.name)
 
 
+def keep(path: Path, changes: Sequence[ZoneChange]) -> None:
+    kept = KeptZones(path)
+    kept.write(kept.encoded(changes))
+
+
 def test_changes_are_read_back_as_they_were(path: Path) -> None:
-    KeptZones(path).write(CHANGES)
+    keep(path, CHANGES)
     assert KeptZones(path).read() == CHANGES
     assert path.stat().st_mode & 0o777 == 0o600
 
@@ -51,25 +57,23 @@ def test_the_changes_lead_from_the_configured_zones_to_those_in_force(
 
 
 def test_more_than_is_read_back_is_not_written(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    KeptZones(path).write(CHANGES[:1])
+    keep(path, CHANGES[:1])
     monkeypatch.setattr("navigation.journal.kept_zones.MOST_BYTES", len(path.read_bytes()))
     assert KeptZones(path).read() == CHANGES[:1]
     with pytest.raises(KeptZonesError, match="must be at most"):
-        KeptZones(path).write(CHANGES)
+        keep(path, CHANGES)
     assert KeptZones(path).read() == CHANGES[:1]
 
 
 def test_no_file_is_no_change_and_no_change_no_file(path: Path) -> None:
-    kept = KeptZones(path)
-    assert kept.read() == ()
-    kept.write(())
-    kept.write(CHANGES)
-    kept.write(())
+    assert KeptZones(path).read() == ()
+    for changes in ((), CHANGES, ()):
+        keep(path, changes)
     assert list(path.parent.iterdir()) == []
 
 
 def test_a_byte_lost_or_changed_anywhere_is_damage_and_the_file_is_put_aside(path: Path) -> None:
-    KeptZones(path).write(CHANGES)
+    keep(path, CHANGES)
     whole = path.read_bytes()
     for place in range(0, len(whole), 7):
         for damaged in (

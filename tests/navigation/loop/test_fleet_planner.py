@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import threading
+import time
 from collections.abc import Iterator
 from itertools import pairwise, permutations
 from pathlib import Path
@@ -11,7 +13,9 @@ import pytest
 
 from navigation.config import limits_of, load_config
 from navigation.config.several.each_robot import each_robot
-from navigation.fleet.request import FleetAnswer, FleetRequest, Traveller
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Traveller
+from navigation.loop.planner_news import PlannerNews
+from navigation.loop.planning import PlannerThread, SceneCheck
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
@@ -21,6 +25,7 @@ from planner.scene import Bounds
 from planner.zones.areas import CircleArea
 from planner.zones.zone import Zone
 from tests.support.robots.obedient_fleet import HALL
+from tests.support.waiting import wait_until
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "fleet.yaml", {})
 STATIONS = (Station(2.0, 0.4), Station(0.5, 0.4), Station(1.2, 0.4), Station(2.2, 0.4))
@@ -85,3 +90,85 @@ def test_a_preview_asked_while_a_zone_is_taken_over_leaves_the_next_one_with_the
     path = fleet.preview("ada", request).path
     assert isinstance(path, NoPath)
     assert "keep-out zone 'desk'" in path.reason
+
+
+class Searching(FleetPlanner):
+    """A planner whose first search goes on until it `may_end`."""
+
+    def __init__(self) -> None:
+        super().__init__(each_robot(CONFIG))
+        self.begun, self.may_end = threading.Event(), threading.Event()
+
+    def answer(self, request: FleetRequest) -> FleetAnswer:
+        if request.id == 1:
+            self.begun.set()
+            assert self.may_end.wait(30.0)
+        return super().answer(request)
+
+
+class Searched:
+    """Its thread, and what comes of it; ``ada`` asks beside ``bob``, who drives."""
+
+    def __init__(self) -> None:
+        self.planner = Searching()
+        self.checks: list[SceneCheck] = []
+        self.news = PlannerNews(self.planner, time.monotonic, lambda: None, None)
+        self.answers: list[FleetAnswer] = []
+        self.thread = PlannerThread(self.planner, self.checks.append, self.on_answer)
+        self.hall = read_scene_text(HALL, "hall").with_bounds(Bounds(0.0, 0.0, 2.4, 1.8))
+        limits = limits_of(each_robot(CONFIG)["ada"])
+        self.ada = Traveller("ada", START, STATIONS[0], 0.07, limits)
+        self.bob = Driving(answer((), STATIONS[0]).promises["bob"], 0, 0, limits)
+
+    def on_answer(self, one: FleetAnswer) -> None:
+        self.answers.append(one)
+        self.news.on_answer(one)
+
+    def __enter__(self) -> Searched:
+        self.thread.start()
+        self.sees(1)
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.planner.may_end.set()
+        self.thread.stop()
+
+    def sees(self, revision: int) -> None:
+        """Wait until a scene is checked."""
+        self.thread.see(self.hall, revision, None)
+        assert wait_until(lambda: bool(self.checks) and self.checks[-1].revision == revision, 30.0)
+
+
+@pytest.mark.parametrize("others_join", [True, False])
+def test_while_robots_drive_a_new_scene_is_checked_before_a_search_ends(
+    *, others_join: bool
+) -> None:
+    """An obstacle in a driving robot's path was known only once the path of another was found.
+
+    In the midst of a plan of all robots drive where all held, and asked again.
+    """
+    with Searched() as one:
+        driving = (one.bob,) if others_join else ()
+        one.thread.ask(FleetRequest(1, 1, (one.ada,), driving=driving))
+        assert one.planner.begun.wait(30.0)
+        one.sees(2)
+        assert not one.answers
+        one.planner.may_end.set()
+        assert wait_until(lambda: bool(one.answers), 30.0)
+        assert one.answers[0].scene_revision == 2
+        assert one.answers[0].promises.keys() == {"ada"}
+
+
+def test_the_answer_that_the_loop_finds_is_the_newest_request_s() -> None:
+    """One of a withdrawn request came after it, and took its place: nobody got a path."""
+    with Searched() as one:
+        one.thread.ask(FleetRequest(1, 1, (one.ada,), driving=(one.bob,)))
+        assert one.planner.begun.wait(30.0)
+        one.thread.ask(FleetRequest(2, 1, (one.ada,)))
+        one.sees(2)
+        one.sees(3)  # whatever the thread of the scenes took before has been answered
+        one.planner.may_end.set()
+        assert wait_until(lambda: len(one.answers) == 2, 30.0)
+        _checks, found = one.news.take()
+        assert isinstance(found, FleetAnswer)
+        assert found.id == 2

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from navigation.config.zones import MOST_ZONES, ZoneSection
-from navigation.journal.kept_zones import KeptZones, KeptZonesError
+from navigation.journal.kept_zones import MOST_BYTES, KeptZones, KeptZonesError
+from navigation.journal.zones_writer import RETRY_S
 from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.mission import MissionError
+from navigation.shared.sealed import seal
+from navigation.shared.whole_file import UnwrittenFileError
 from tests.navigation.config.test_zones import write_mask
 from tests.navigation.journal.kept import circle
+from tests.support.waiting import wait_until
 
 DESK, DOOR = circle("desk"), circle("door", "wait")
 
@@ -170,12 +178,215 @@ def test_a_change_that_cannot_be_kept_holds_and_says_so(tmp_path: Path) -> None:
     zones.put(DESK)
     assert zones.sections == (DESK,)
     assert "restart would not know" in zones.trouble
-    folder.unlink()
     zones.put(DOOR)
-    assert zones.trouble == ""
+    folder.unlink()
+    assert wait_until(lambda: zones.trouble == "")  # it is tried again without another change
     again = ZonesInForce([], [""])
     again.restore(KeptZones(folder / "zones"))
     assert again.sections == (DESK, DOOR)
+
+
+def test_a_run_that_is_over_writes_no_change_that_failed_over_those_of_the_next(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "folder"
+    first = ZonesInForce([], [""])
+    first.restore(KeptZones(folder / "zones"))
+    folder.write_text("in the way")
+    first.put(DESK)
+    first.end()
+    folder.unlink()
+    second = ZonesInForce([], [""])
+    second.restore(KeptZones(folder / "zones"), first)
+    second.put(DOOR)
+    time.sleep(1.5 * RETRY_S)
+    again = ZonesInForce([], [""])
+    again.restore(KeptZones(folder / "zones"))
+    assert again.sections == (DESK, DOOR)
+
+
+@pytest.mark.parametrize("has_file", [False, True])
+def test_a_run_that_begins_again_has_the_changes_of_the_one_before(
+    tmp_path: Path, *, has_file: bool
+) -> None:
+    """With a file too, where the disk was full; the configuration's own changes hold."""
+    first = ZonesInForce([DESK, DOOR], [""])
+    first.put(circle("new"))
+    first.put(circle("desk", x_m=2.0))
+    second = ZonesInForce([circle("desk", x_m=1.5), DOOR], [""])
+    said = second.restore(KeptZones(tmp_path / "zones") if has_file else None, first)
+    assert second.sections == (circle("desk", x_m=1.5), DOOR, circle("new"))
+    assert len(said) == 2
+    assert (tmp_path / "zones").exists() == has_file
+
+
+@contextmanager
+def full_disk() -> Iterator[list[bytes]]:
+    """The contents that were to be written meanwhile."""
+    refused: list[bytes] = []
+
+    def write_whole(path: Path, data: bytes, **_how: bool) -> None:
+        refused.append(data)
+        raise UnwrittenFileError(f"{path}: cannot be written: no space left on device")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("navigation.journal.kept_zones.write_whole", write_whole)
+        yield refused
+
+
+@contextmanager
+def hanging_disk() -> Iterator[threading.Event]:
+    """The event lets the first write go on."""
+    goes_on, first = threading.Event(), [True]
+
+    def write_whole(path: Path, data: bytes, **_how: bool) -> None:
+        if first and first.pop():
+            assert goes_on.wait(30.0)
+        path.write_bytes(data)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("navigation.journal.kept_zones.write_whole", write_whole)
+        patch.setattr("navigation.journal.zones_writer.ANSWER_S", 0.1)
+        try:
+            yield goes_on
+        finally:
+            goes_on.set()
+
+
+def begun(
+    folder: Path, before: ZonesInForce | None = None, configured: Sequence[ZoneSection] = ()
+) -> ZonesInForce:
+    zones = ZonesInForce(configured, [""])
+    zones.restore(KeptZones(folder / "zones"), before)
+    return zones
+
+
+def names(zones: ZonesInForce) -> list[str]:
+    return sorted(one.name for one in zones.sections)
+
+
+def test_a_zone_that_is_back_as_configured_holds_after_a_reload(tmp_path: Path) -> None:
+    """The file, older than a full disk, said that it had been removed."""
+    first = begun(tmp_path, configured=[DESK, DOOR])
+    first.remove("desk")
+    first.put(circle("new"))
+    first.put(circle("stays"))
+    with full_disk():
+        first.put(DESK)
+        first.remove("new")
+        first.end()
+    second = begun(tmp_path, first, [DESK, DOOR])
+    assert names(second) == ["desk", "door", "stays"]
+    assert second.trouble == ""
+    assert [one.name for one in KeptZones(tmp_path / "zones").read()] == ["stays"]
+
+
+def test_a_reload_with_another_journal_has_its_changes_too(tmp_path: Path) -> None:
+    begun(tmp_path / "other").put(DOOR)
+    first = begun(tmp_path)
+    first.put(DESK)
+    first.end()
+    second = begun(tmp_path / "other", first)
+    assert names(second) == names(begun(tmp_path / "other")) == ["desk", "door"]
+
+
+def test_a_full_disk_is_tried_again_with_what_was_encoded_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mask of many islands takes half a second, which held all robots each time."""
+    encoded: list[str] = []
+
+    def counting(kind: str, version: int, text: str) -> bytes:
+        encoded.append(text)
+        return seal(kind, version, text)
+
+    monkeypatch.setattr("navigation.journal.kept_zones.seal", counting)
+    monkeypatch.setattr("navigation.journal.zones_writer.RETRY_S", 0.02)
+    zones = begun(tmp_path)
+    with full_disk() as refused:
+        zones.put(DESK)
+        assert wait_until(lambda: len(refused) > 3)
+        zones.end()
+    assert len(encoded) == 1
+    assert len(set(refused)) == 1
+
+
+def test_more_zones_than_a_file_may_have_are_not_encoded_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tries: list[str] = []
+
+    def too_long(_kind: str, _version: int, text: str) -> bytes:
+        tries.append(text)
+        return bytes(MOST_BYTES + 1)
+
+    monkeypatch.setattr("navigation.journal.kept_zones.seal", too_long)
+    monkeypatch.setattr("navigation.journal.zones_writer.RETRY_S", 0.02)
+    zones = begun(tmp_path)
+    zones.put(DESK)
+    time.sleep(0.3)
+    assert "must be at most" in zones.trouble
+    assert len(tries) == 1
+
+
+def test_a_run_that_is_over_takes_no_change_that_the_next_would_not_know(tmp_path: Path) -> None:
+    first = begun(tmp_path)
+    first.put(DESK)
+    first.end()
+    with pytest.raises(MissionError, match="this run is over"):
+        first.put(DOOR)
+    with pytest.raises(MissionError, match="this run is over"):
+        first.undo()
+    assert names(first) == names(begun(tmp_path, first)) == ["desk"]
+
+
+def test_the_newest_change_is_written_although_the_run_ended_while_the_disk_hung(
+    tmp_path: Path,
+) -> None:
+    first = begun(tmp_path)
+    with hanging_disk() as goes_on:
+        first.put(DESK)
+        first.put(DOOR)
+        first.end()
+        goes_on.set()
+        assert wait_until(lambda: names(begun(tmp_path)) == ["desk", "door"])
+
+
+def test_a_run_ends_once_its_changes_are_on_the_disk(tmp_path: Path) -> None:
+    first = begun(tmp_path)
+    with hanging_disk() as goes_on:
+        first.put(DESK)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("navigation.journal.zones_writer.ANSWER_S", 30.0)
+            threading.Timer(0.1, goes_on.set).start()
+            first.end()
+        assert names(begun(tmp_path)) == ["desk"]
+
+
+def test_a_write_that_hung_in_the_run_before_comes_before_those_of_the_next(
+    tmp_path: Path,
+) -> None:
+    first = begun(tmp_path)
+    others = set(threading.enumerate())
+    with hanging_disk() as goes_on:
+        first.put(DESK)
+        first.end()
+        second = begun(tmp_path, first)
+        second.put(DOOR)
+        goes_on.set()
+        assert wait_until(lambda: set(threading.enumerate()) <= others)
+    assert second.trouble == ""
+    assert names(begun(tmp_path)) == ["desk", "door"]
+
+
+def test_changes_of_the_run_before_hold_beside_a_damaged_file(tmp_path: Path) -> None:
+    (tmp_path / "zones").write_text("torn")
+    first = ZonesInForce([], [""])
+    first.put(DESK)
+    zones = ZonesInForce([], [""])
+    with pytest.raises(KeptZonesError, match="damaged"):
+        zones.restore(KeptZones(tmp_path / "zones"), first)
+    assert zones.sections == (DESK,)
 
 
 def test_lost_changes_are_an_error_and_further_ones_are_kept(tmp_path: Path) -> None:

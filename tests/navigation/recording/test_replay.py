@@ -66,6 +66,19 @@ def test_an_obstacle_more_is_told_and_a_plan_that_goes_elsewhere(lossless: Path)
     assert kinds == ["scene", "plan"]
 
 
+def test_a_scene_seen_before_the_file_began_is_no_difference_where_a_robot_hides_it(
+    lossless: Path,
+) -> None:
+    """A file of a corridor run began with a robot in a niche: its border is in no picture."""
+    recording = read_recording(lossless)
+    seen = recording.scenes[0]
+    fewer = replace(seen.scene, objects=seen.scene.objects[:-1])
+    recording.scenes[0] = replace(seen, carried=True, scene=fewer)
+    result = replay(recording)
+    assert result.differences == []
+    assert (result.scenes, result.not_compared, result.plans) == (0, 1, 1)
+
+
 def test_a_near_tie_is_counted_and_no_difference(
     lossless: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

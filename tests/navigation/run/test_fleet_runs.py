@@ -8,9 +8,11 @@ from types import SimpleNamespace
 import pytest
 
 from navigation.config import Config, load_config
+from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.daemon import Daemon
 from navigation.loop.people import People
 from navigation.loop.run_state import RunState
+from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
 from navigation.run.virtual_run import run_virtually
@@ -115,6 +117,30 @@ def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
     assert report.robots["b"].stations_visited == 2
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
+
+
+def test_a_planner_that_fails_while_a_goal_is_planned_plans_for_all_once_it_is_restarted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    answer, failed = FleetPlanner.answer, list[FleetRequest]()
+
+    def fragile(planner: FleetPlanner, request: FleetRequest) -> FleetAnswer:
+        if request.driving and not failed:
+            failed.append(request)
+            raise ZeroDivisionError
+        return answer(planner, request)
+
+    def look(daemon: Daemon, now: RunState) -> bool:
+        if now.time_s > 2.0 and daemon.robots["b"].pilot.mission.state is MissionState.IDLE:
+            daemon.people.give((Station(0.3, 0.9),), "b")
+        return False
+
+    monkeypatch.setattr(FleetPlanner, "answer", fragile)
+    config = open_hall("a", "b").model_dump()
+    config["mission"]["robots"] = config["mission"]["robots"][:1]
+    report = run_virtually(Config.model_validate(config), look=look, pictures=False)
+    assert failed
+    assert report.state == "done", report.reason
 
 
 def test_a_robot_that_skips_its_only_station_is_driven_around_where_it_comes_to_rest() -> None:

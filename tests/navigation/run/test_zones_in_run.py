@@ -17,7 +17,8 @@ from navigation.config.zones import ZoneSection
 from navigation.control import ControlError, send_order
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
-from navigation.mission.mission import State
+from navigation.loop.traffic.coordinated import Coordinated
+from navigation.mission.mission import State, Station
 from navigation.run.run_report import RunReport
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
@@ -273,7 +274,7 @@ def test_a_zone_over_a_robot_at_rest_moves_nobody(make: Callable[[], Config]) ->
 
 @BOTH
 def test_orders_into_a_zone_are_refused_by_its_name(make: Callable[[], Config]) -> None:
-    from navigation.mission.mission import MissionError, Station
+    from navigation.mission.mission import MissionError
 
     refused: list[str] = []
 
@@ -306,3 +307,34 @@ def test_a_stop_acts_at_once_in_a_no_waiting_zone(make: Callable[[], Config]) ->
     assert depth_m(door, first[:, 1:3]).max() > 0.0
     after = first[first[:, 0] > stopped_s + 0.6]
     assert not len(after) or math.dist(after[0, 1:3], after[-1, 1:3]) < 0.001
+
+
+def test_a_plan_older_than_a_zone_gives_no_driving_robot_another_gate() -> None:
+    """A robot would have waited in a no-waiting zone until the next scene came."""
+    stale: list[Any] = []
+    held: list[Any] = []
+
+    def draw_while_planned(daemon: Daemon) -> None:
+        traffic, plans = daemon.traffic, daemon._planner
+        assert isinstance(traffic, Coordinated)
+        coordinator, answers = traffic._coordinator, plans._on_answer
+
+        def late(answer: Any) -> None:
+            plans._on_answer = answers
+            daemon.zones.put(zone("wait", circle=(1.2, 0.9, 0.05)))
+            stale.extend(answer.driving)
+            daemon.world.after(0.5, lambda: answers(answer))
+            for i in range(10):
+                after_s = 0.5 + 0.02 * i
+                daemon.world.after(after_s, lambda: held.append(coordinator.held["a"].promise))
+
+        plans._on_answer = late
+        daemon.people.give((Station(0.20, 1.40),), "b")
+
+    values = two_robots().model_dump()
+    values["mission"]["robots"] = values["mission"]["robots"][:1]
+    played = Played(Config.model_validate(values), {2.0: draw_while_planned})
+    assert played.report.state == "done", played.report.reason
+    assert [one.name for one in stale] == ["a"]
+    assert len(held) == 10
+    assert not any(one is stale[0] for one in held)

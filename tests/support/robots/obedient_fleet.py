@@ -133,6 +133,7 @@ class Fleet:
         self.robots = {name: Robot(place) for name, place in places.items()}
         self.coordinator = Coordinator(self._clearance_m)
         self.now_s, self.least_gap_m = 0.0, math.inf
+        self.revision = self.zones_since = 1
         self.requests: list[FleetRequest] = []
         self.stopped: list[str] = []
         """Who was told to stop for a plan of all."""
@@ -146,8 +147,9 @@ class Fleet:
         request = None
         if one.state is State.PLANNING:
             request = PlanRequest(
-                one.request_id, (*one.place, 0.0), one.stations, 1, speed_m_s=one.asks_for_m_s
-            )
+                one.request_id, (*one.place, 0.0), one.stations, self.revision,
+                speed_m_s=one.asks_for_m_s,
+            )  # fmt: skip
         if self.now_s >= one.hidden_until_s or not math.isfinite(one.seen[2]):
             one.seen = (*one.place, self.now_s)
         x, y, seen_s = one.seen
@@ -179,7 +181,9 @@ class Fleet:
             if one.state is State.HOLDING and not one.dead and self.now_s >= one.asks_again_s:
                 one.ask()
         members = {name: self._member(one) for name, one in self.robots.items()}
-        orders = self.coordinator.step(self.now_s, members, 1, self._answer())
+        orders = self.coordinator.step(
+            self.now_s, members, self.revision, self._answer(), self.zones_since
+        )
         if orders.request is not None:
             self.requests.append(orders.request)
             self._due = self._late

@@ -1,6 +1,7 @@
 """A recording on the page: any moment of it, steered by those who look, driving nothing."""
 
 import math
+import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +23,7 @@ from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
 from navigation.recording.tape import Tape, read_tape
 from tests.navigation.dashboard.site import Site
+from tests.support.pictures import call
 from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
 from tests.support.waiting import wait_until
 
@@ -65,6 +67,17 @@ def run(tape: Tape) -> Iterator[ReplayedRun]:
     run, _ = replayed(tape)
     yield run
     run.close()
+
+
+def test_the_command_closes_its_replay_where_no_page_can_be_opened(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed: list[ReplayedRun] = []
+    monkeypatch.setattr(ReplayedRun, "close", lambda run: closed.append(run))
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert call("dashboard", file, "--no-browser", "--port", port).code == 1
+    assert len(closed) == 1
 
 
 def test_every_picture_is_found_by_its_place_in_the_file(tape: Tape, file: Path) -> None:
