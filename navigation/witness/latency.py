@@ -55,7 +55,7 @@ class LatencyEstimate:
         self._sums = np.zeros(len(GRID_S))
         self._count = 0.0
         self._overlaps = 0.0
-        """Sum of the pictures in each window: so many windows overlap, and say the same."""
+        """Sum over the windows of their pictures, each of which begins another window."""
 
     def break_off(self) -> None:
         """Note that camera or wheels lost track: no window reaches over this moment."""
