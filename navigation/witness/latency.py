@@ -28,8 +28,6 @@ SIGMA_M: Final = 0.002
 SIGMA_RAD: Final = 0.02
 """Standard deviations of a window's motion: the camera's noise, and wheels that are off by a few
 percent of 0.06 m and 0.4 rad, a window's motion at full speed."""
-ALIKE: Final = 6.0
-"""Number of neighbours that say the same, since windows overlap."""
 SURE: Final = 9.0
 """Three standard deviations, squared."""
 FADE_S: Final = 6.0
@@ -56,6 +54,8 @@ class LatencyEstimate:
         self._seen: deque[tuple[float, float, float, float]] = deque()
         self._sums = np.zeros(len(GRID_S))
         self._count = 0.0
+        self._overlaps = 0.0
+        """Sum over the windows of their pictures, each of which begins another window."""
 
     def break_off(self) -> None:
         """Note that camera or wheels lost track: no window reaches over this moment."""
@@ -84,6 +84,7 @@ class LatencyEstimate:
         fading = math.exp(-(time_s - seen[-2][0] if len(seen) > 1 else span_s) / FADE_S)
         self._sums *= fading
         self._count = self._count * fading + 1.0
+        self._overlaps = self._overlaps * fading + len(seen) - 1
         self._sums += ((moved - ways) / SIGMA_M) ** 2 + ((turned - turns) / SIGMA_RAD) ** 2
 
     def estimate(self) -> Latency | None:
@@ -92,7 +93,8 @@ class LatencyEstimate:
             return None
         least = int(np.argmin(self._sums))
         noise = max(1.0, float(self._sums[least]) / (2.0 * self._count))
-        possible = np.flatnonzero(self._sums <= self._sums[least] + SURE * ALIKE * noise)
+        alike = self._overlaps / self._count
+        possible = np.flatnonzero(self._sums <= self._sums[least] + SURE * alike * noise)
         low_s, high_s = GRID_S[possible[0]], GRID_S[possible[-1]]
         if possible[-1] == len(GRID_S) - 1 or high_s - low_s > 2.0 * NARROW_S:
             return None

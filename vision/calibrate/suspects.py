@@ -172,8 +172,9 @@ def _two_cameras(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect
         lens = estimate(larger)
     except CalibrationError:
         return None
-    if _mean_px(np.concatenate(parts)) > _TWO_LENSES * _mean_px(together):
-        return None
+    apart = np.concatenate(parts)
+    if any(of(apart) > _TWO_LENSES * of(together) for of in (_mean_px, np.median)):
+        return None  # of few views one at the edge, which the others' lens hardly knows, is most
     found = _all_px(views, lens)
     usual_px = float(np.median(found[first]))
     way = _turned_over(smaller, lens, found[~first])

@@ -92,9 +92,9 @@ def stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
 
 
 @pytest.fixture
-def quick_stage() -> Iterator[Stage]:
-    """With 30 pictures a second, as a latency that changes is measured from many."""
-    yield from stage_of(pictures=False, rate_hz=30.0)
+def rated_stage(request: pytest.FixtureRequest) -> Iterator[Stage]:
+    """With as many pictures a second as the parameter has."""
+    yield from stage_of(pictures=False, rate_hz=request.param)
 
 
 def freeze_with_a_clock(stage: Stage) -> None:
@@ -273,30 +273,32 @@ def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: f
     assert stage.clearance_m() > 0.05
 
 
+@pytest.mark.parametrize("rated_stage", [30.0], indirect=True)
 def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(
-    quick_stage: Stage,
+    rated_stage: Stage,
 ) -> None:
-    quick_stage.set_off(14)
-    quick_stage.world.cameras[None].stream_latency_s = 0.22
-    ended = quick_stage.until(State.DONE, State.FAILED, State.STOPPED)
+    rated_stage.set_off(14)
+    rated_stage.world.cameras[None].stream_latency_s = 0.22
+    ended = rated_stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert quick_stage.daemon.robot.pilot.plan.speed_m_s < 0.27
-    assert quick_stage.clearance_m() > 0.02
+    assert rated_stage.daemon.robot.pilot.plan.speed_m_s < 0.27
+    assert rated_stage.clearance_m() > 0.02
 
 
+@pytest.mark.parametrize("rated_stage", [10.0, 15.0, 30.0], indirect=True)
 def test_a_latency_that_is_measured_just_as_its_guess_parts_stops_nobody(
-    quick_stage: Stage,
+    rated_stage: Stage,
 ) -> None:
     """Measured while the robot drives: its plan stays if it is hardly faster than is allowed."""
-    quick_stage.set_off(20)
-    quick_stage.world.cameras[None].stream_latency_s = 0.22
-    ended = quick_stage.until(State.DONE, State.FAILED, State.STOPPED)
+    rated_stage.set_off(20)
+    rated_stage.world.cameras[None].stream_latency_s = 0.22
+    ended = rated_stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    pilot, evidence = quick_stage.daemon.robot.pilot, quick_stage.daemon.robot.witness.evidence()
+    pilot, evidence = rated_stage.daemon.robot.pilot, rated_stage.daemon.robot.witness.evidence()
     robot = pilot.settings.traffic
     allowed_m_s = speed_with(evidence.longest_latency_s, robot.speed_m_s, robot.acceleration_m_s2)
     assert WORTH_A_PLAN * pilot.plan.speed_m_s <= allowed_m_s
-    assert quick_stage.clearance_m() > 0.02
+    assert rated_stage.clearance_m() > 0.02
 
 
 def test_a_stamp_in_the_future_counts_as_now(stage: Stage) -> None:

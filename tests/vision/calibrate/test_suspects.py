@@ -63,6 +63,13 @@ def test_no_picture_of_a_wide_lens_is_suspected(seed: int) -> None:
     assert lens.camera_matrix[0, 0] == pytest.approx(270.0, rel=0.01)
 
 
+@pytest.mark.parametrize("seed", [0, 13])
+def test_eight_pictures_of_a_wide_lens_are_not_those_of_two_cameras(seed: int) -> None:
+    """One at the edge of the picture, which the others' lens hardly knows, was most of the rms."""
+    found = wide_views(8, seed)
+    assert suspects(found, estimate_for(found)) == []
+
+
 @pytest.mark.parametrize("count", [1, 4])
 @pytest.mark.parametrize(
     ("turned_over", "word"), [(drawn_mirrored, "mirrored"), (upside_down, "upside down")]
