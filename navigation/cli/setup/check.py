@@ -18,7 +18,7 @@ from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrecy.secrets import hide
 from navigation.config.several.each_camera import each_camera
-from navigation.config.several.each_robot import each_robot, named_places
+from navigation.config.several.each_robot import each_robot, named_places, robots_of
 
 if TYPE_CHECKING:
     from navigation.config.values import Place
@@ -104,6 +104,8 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
     needed = {"arena", "robot", "planning", "mission", "simulation"}
     if needed <= sections.keys() and config.simulation is not None:
         yield from _simulation_problems(config)
+    if {"arena", "robot", "robots", "mission", "zones"} <= sections.keys() and config.zones:
+        yield from _stations_in_zones(config)
     if "notify" in sections and config.notify.command is not None:
         program = config.notify.command[0]
         if shutil.which(program) is None:
@@ -345,6 +347,24 @@ def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Loc
         if name in robots and clearance < robots[name].robot.radius_m:
             need = robots[name].robot.radius_m
             yield where, f"has a clearance of {clearance:.3f} m: must be >= {need:g} for {name}"
+
+
+def _stations_in_zones(config: Config) -> Iterator[tuple[Location, str]]:
+    """A mission with a station that a zone forbids is refused when it is given."""
+    from planner.scene import Bounds, Scene
+    from planner.zones.rules import rules_for
+
+    scene = Scene("m", Bounds(*config.arena.bounds_m), ())
+    rules = {
+        name: rules_for([zone.zone() for zone in one.zones], scene, one.robot.radius_m)
+        for name, one in robots_of(config).items()
+    }
+    of_one = enumerate(config.mission.stations)
+    places = [(("mission", "stations", index), "", one) for index, one in of_one]
+    for where, name, place in (*places, *named_places(config.mission, None)):
+        breach = rules[name].station_breach("the station", (place.x_m, place.y_m))
+        if breach is not None:
+            yield where, f"{breach}: must be where the zones let a robot stop"
 
 
 def _unreadable(file: Path | None, error: OSError) -> str:

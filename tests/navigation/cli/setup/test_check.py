@@ -20,6 +20,37 @@ from vision.calibration.calibration_file import save_calibration
 ROOT = Path(__file__).parents[4]
 
 
+ZONES = ROOT / "configs" / "zones.yaml"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "{x_m: 0.7, y_m: 1.5}",
+            "{x_m: 1.2, y_m: 1.5}",
+            "mission.robots[0].stations[1]: the station (1.2, 1.5) is in keep-out zone 'desk'",
+        ),
+        (
+            "{x_m: 0.25, y_m: 1.3}",
+            "{x_m: 2.15, y_m: 1.12}",
+            "mission.robots[1].stations[0]: the station (2.15, 1.12) is 0.02 m from no-waiting "
+            "zone 'door', nearer than the radius of 0.07 m",
+        ),
+    ],
+)
+def test_a_station_that_a_zone_forbids_is_named(
+    old: str, new: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = ZONES.read_text()
+    assert old in text
+    calibration = "simulation_calibration.yaml"
+    (tmp_path / calibration).write_bytes((ZONES.parent / calibration).read_bytes())
+    (tmp_path / "zones.yaml").write_text(text.replace(old, new))
+    assert run(["check", str(tmp_path / "zones.yaml")]) == 78
+    assert f"{said}: must be where the zones let a robot stop" in capsys.readouterr().err
+
+
 def _init(tmp_path: Path, *options: str) -> Path:
     file = tmp_path / "clearway.yaml"
     assert run(["init", str(file), *options]) == 0
