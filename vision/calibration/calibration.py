@@ -164,7 +164,7 @@ class Calibration:
         from vision.calibration.calibration_kernels import plane_from_image
 
         points = np.array(_points(points_px), order="C")
-        return plane_from_image(points, homography, self._front, self.lens)
+        return np.asarray(plane_from_image(points, homography, self._front, self.lens))
 
     def plane_from_pixel(self, height_m: float = 0.0) -> FloatArray:
         """The homography (3, 3) from undistorted pixels to the plane at ``height_m``."""
@@ -178,7 +178,7 @@ class Calibration:
         from vision.calibration.calibration_kernels import image_from_plane
 
         points = np.array(_points(points_m), order="C")
-        return image_from_plane(points, homography, self._front, self.lens)
+        return np.asarray(image_from_plane(points, homography, self._front, self.lens))
 
     @property
     def metres_per_pixel(self) -> float:
@@ -215,7 +215,7 @@ class Calibration:
         # imported late: a plan to scale needs no compiled code
         from vision.calibration.calibration_kernels import undistort_all
 
-        return undistort_all(np.array(raw, order="C"), self.lens)
+        return np.asarray(undistort_all(np.array(raw, order="C"), self.lens))
 
     def distort_points(self, points_px: ArrayLike) -> FloatArray:
         """Undistorted pixels (n, 2) to raw ones; NaN beyond the lens's reach."""
@@ -224,7 +224,7 @@ class Calibration:
             return ideal.copy()
         from vision.calibration.calibration_kernels import distort_all
 
-        return distort_all(np.array(ideal, order="C"), self.lens)
+        return np.asarray(distort_all(np.array(ideal, order="C"), self.lens))
 
     def plane_view(self, height_m: float = 0.0) -> PlaneView:
         """The plane at ``height_m`` and its picture, for kernels."""

@@ -5,16 +5,17 @@ Raw and undistorted pixels, centres at integers; ``lens`` from
 produces.
 """
 
+# mypy: allow-untyped-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
-from vision.calibration.lens_model import FISHEYE, STRAIGHT, LensArrays, PlaneView
+from planner.scene.compile_options import OWNING
+from vision.calibration.lens_model import FISHEYE, STRAIGHT
 
 _MOST_STEPS = 50
 _DONE, _GOOD = 1e-12, 1e-9
@@ -23,8 +24,8 @@ _MOST_OVERSHOOT = 1.02
 """Brown's Jacobian is still positive definite so far beyond the reach."""
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def undistort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]:
+@njit(**OWNING)
+def undistort(x_px, y_px, lens):
     """One raw pixel to an undistorted one."""
     if lens.model == STRAIGHT:
         return x_px, y_px
@@ -37,10 +38,8 @@ def undistort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]
     return x * camera[0] + camera[2], y * camera[1] + camera[3]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _undo_fisheye(
-    tx: float, ty: float, terms: NDArray[np.float64], reach: float
-) -> tuple[float, float]:
+@njit(**OWNING)
+def _undo_fisheye(tx, ty, terms, reach):
     """Newton's method on theta_d(theta), which grows, between closing bounds."""
     wanted = math.hypot(tx, ty)
     if wanted < _DONE:
@@ -69,18 +68,16 @@ def _undo_fisheye(
     return tx * ratio, ty * ratio
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _angle_seen(angle: float, terms: NDArray[np.float64]) -> float:
+@njit(**OWNING)
+def _angle_seen(angle, terms):
     """theta_d."""
     a2 = angle * angle
     even = 1.0 + a2 * (terms[0] + a2 * (terms[1] + a2 * (terms[2] + a2 * terms[3])))
     return float(angle * even)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _undo_brown(
-    tx: float, ty: float, terms: NDArray[np.float64], reach: float
-) -> tuple[float, float]:
+@njit(**OWNING)
+def _undo_brown(tx, ty, terms, reach):
     """Newton's method; a step that leaves the reach, or comes no nearer, is halved."""
     k1, k2, p1, p2, k3 = terms[0], terms[1], terms[2], terms[3], terms[4]
     limit = _MOST_OVERSHOOT * reach
@@ -115,8 +112,8 @@ def _undo_brown(
     return x, y
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def undistort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.float64]:
+@njit(**OWNING)
+def undistort_all(points, lens):
     """Raw pixels (n, 2) to undistorted ones."""
     found = np.empty_like(points)
     for i in range(len(points)):
@@ -124,8 +121,8 @@ def undistort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.f
     return found
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def distort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]:
+@njit(**OWNING)
+def distort(x_px, y_px, lens):
     """One undistorted pixel to a raw one; NaN beyond the lens's reach."""
     if lens.model == STRAIGHT:
         return x_px, y_px
@@ -146,8 +143,8 @@ def distort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]:
     return tx * camera[0] + camera[2], ty * camera[1] + camera[3]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def distort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.float64]:
+@njit(**OWNING)
+def distort_all(points, lens):
     """Undistorted pixels (n, 2) to raw ones."""
     found = np.empty_like(points)
     for i in range(len(points)):
@@ -155,10 +152,8 @@ def distort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.flo
     return found
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def image_from_plane(
-    points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
-) -> NDArray[np.float64]:
+@njit(**OWNING)
+def image_from_plane(points, homography, front, lens):
     """Points (n, 2) of a plane to raw pixels; NaN out of sight.
 
     ``homography`` (3, 3) leads to undistorted pixels; its third coordinate has the sign of
@@ -171,10 +166,8 @@ def image_from_plane(
     return found
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def plane_from_image(
-    points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
-) -> NDArray[np.float64]:
+@njit(**OWNING)
+def plane_from_image(points, homography, front, lens):
     """Raw pixels (n, 2) to points of a plane; NaN if they show none."""
     found = np.empty_like(points)
     for i in range(len(points)):
@@ -183,8 +176,8 @@ def plane_from_image(
     return found
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[float, float]:
+@njit(**OWNING)
+def _moved(x, y, h, front):
     """Move through a homography; NaN if the third coordinate lacks the sign of ``front``."""
     w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
     if not w * front > 0.0:
@@ -192,15 +185,15 @@ def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[fl
     return (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w, (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def seen_at(x_m: float, y_m: float, view: PlaneView) -> tuple[float, float]:
+@njit(**OWNING)
+def seen_at(x_m, y_m, view):
     """Raw pixel of one point of a plane; NaN out of sight."""
     x, y = _moved(x_m, y_m, view.to_pixel, view.front)
     return distort(x, y, view.lens)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def placed_at(x_px: float, y_px: float, view: PlaneView) -> tuple[float, float]:
+@njit(**OWNING)
+def placed_at(x_px, y_px, view):
     """Point of a plane that one raw pixel shows; NaN if it shows none."""
     x, y = undistort(x_px, y_px, view.lens)
     return _moved(x, y, view.from_pixel, view.front)

@@ -3,15 +3,16 @@
 Coordinates and arrays are those of `marker_pattern_kernels`.
 """
 
+# mypy: allow-untyped-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from planner.scene.compile_options import OWNING
 from vision.markers.marker_pattern_kernels import (
     EDGE_PX,
     UNKNOWNS,
@@ -46,14 +47,8 @@ _ALIKE = 1.5
 (``test_covered_side.py``)."""
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def corners_of(
-    state: NDArray[np.float64],
-    cells: int,
-    center: tuple[float, float],
-    unit_m: float,
-    out_m: NDArray[np.float64],
-) -> None:
+@njit(**OWNING)
+def corners_of(state, cells, center, unit_m, out_m):
     """Corners (4, 2) of a placed pattern in the plane; NaN without a size."""
     determinant = state[0] * state[4] - state[1] * state[3]
     for i in range(4):
@@ -65,14 +60,8 @@ def corners_of(
             out_m[i, 1] = center[1] + unit_m * (state[0] * v - state[3] * u) / determinant
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def sides_agree(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    metric: NDArray[np.float64],
-    error_px: float,
-) -> bool:
+@njit(**OWNING)
+def sides_agree(pixels, bits, state, metric, error_px):
     """True if each side's edge is where the fitted pattern has it, within the errors.
 
     A cover over a whole side has as straight an edge, but the inner cells hold the pattern. One
@@ -105,14 +94,8 @@ def sides_agree(
     return bool((np.abs(moments) <= most_px * weights).all())
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def corner_error_px(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    metric: NDArray[np.float64],
-    cell_px: float,
-) -> float:
+@njit(**OWNING)
+def corner_error_px(pixels, bits, state, metric, cell_px):
     """Standard error of a fitted pattern's worst corner, by regression, pixels."""
     cells = len(bits)
     matrix, row = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
@@ -135,13 +118,8 @@ def corner_error_px(
     return worst * cell_px
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def worst_cells(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    cell_px: float,
-) -> tuple[float, float]:
+@njit(**OWNING)
+def worst_cells(pixels, bits, state, cell_px):
     """Score of the worst cell within the border, and of the worst of all cells and the light rim.
 
     1 if a cell is as light, or as dark, as fitted, 0.5 halfway, 0 if it is the other or has no

@@ -4,15 +4,16 @@
 Raw pixels, centres at integers; ``lens`` as in ``vision.calibration.lens_model``.
 """
 
+# mypy: allow-untyped-defs
+
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from planner.scene.compile_options import OWNING
 from vision.calibration.calibration_kernels import distort, undistort
-from vision.calibration.lens_model import STRAIGHT, LensArrays
+from vision.calibration.lens_model import STRAIGHT
 
 _ENDS = 0.1  # share of a side left out at each end, where the next side's blur reaches
 _STEP_PX = 0.5
@@ -52,14 +53,8 @@ FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART, ROUGH, NO_FLOOR, UNREAD = rang
 """Outcomes of a quadrilateral; the last two only for a pattern on a floor."""
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def fit_quad(
-    grey: NDArray[np.uint8],
-    seen_px: NDArray[np.float64],
-    cells: int,
-    lens: LensArrays,
-    out_ideal: NDArray[np.float64],
-) -> tuple[int, float, float]:
+@njit(**OWNING)
+def fit_quad(grey, seen_px, cells, lens, out_ideal):
     """Intersect a marker's four sides in ``out_ideal`` (4, 2), undistorted.
 
     ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen. Returns the
@@ -106,8 +101,8 @@ def fit_quad(
     return (FITTED if roughness_px <= _MAX_ROUGHNESS_PX else ROUGH), roughness_px, error_px
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
+@njit(**OWNING)
+def _is_inside(corners, reach_px, grey):
     height, width = grey.shape
     for i in range(4):
         x, y = corners[i, 0], corners[i, 1]
@@ -118,13 +113,8 @@ def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.u
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _frame_at(
-    ideal: NDArray[np.float64],
-    corners: NDArray[np.float64],
-    out_frame: NDArray[np.float64],
-    out_back: NDArray[np.float64],
-) -> bool:
+@njit(**OWNING)
+def _frame_at(ideal, corners, out_frame, out_back):
     """Homography from undistorted to raw corners, and its inverse; False without one.
 
     Each joins two homographies of a unit square (Heckbert, Fundamentals of texture mapping and
@@ -141,8 +131,8 @@ def _frame_at(
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
+@njit(**OWNING)
+def _from_square(quad, out):
     sx = quad[0, 0] - quad[1, 0] + quad[2, 0] - quad[3, 0]
     sy = quad[0, 1] - quad[1, 1] + quad[2, 1] - quad[3, 1]
     ax, ay = quad[1, 0] - quad[2, 0], quad[1, 1] - quad[2, 1]
@@ -159,8 +149,8 @@ def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _invert(m: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
+@njit(**OWNING)
+def _invert(m, out):
     """Invert (3, 3) by cofactors; False if singular."""
     for i in range(3):
         a, b = (i + 1) % 3, (i + 2) % 3
@@ -176,17 +166,15 @@ def _invert(m: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _multiply(a: NDArray[np.float64], b: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+@njit(**OWNING)
+def _multiply(a, b, out):
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _intersect(
-    lines: NDArray[np.float64], homography: NDArray[np.float64], out: NDArray[np.float64]
-) -> bool:
+@njit(**OWNING)
+def _intersect(lines, homography, out):
     """Intersect sides i - 1 and i in corner i, moved; False if two neighbours are parallel."""
     h = homography
     for i in range(4):
@@ -203,14 +191,8 @@ def _intersect(
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False, inline="always")
-def fit_sides(
-    grey: NDArray[np.uint8],
-    corners: NDArray[np.float64],
-    reach_px: float,
-    lens: LensArrays,
-    frame: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+@njit(**OWNING, inline="always")
+def fit_sides(grey, corners, reach_px, lens, frame):
     """Fit the four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
     ``frame`` (3, 3) maps undistorted pixels to where lines are fitted. Returns lines (4, 6) there,
@@ -255,16 +237,8 @@ def fit_sides(
     return lines, seen
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _edges_of_side(
-    grey: NDArray[np.uint8],
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    reach_px: float,
-    out_points: NDArray[np.float64],
-    out_steps: NDArray[np.float64],
-    out_shifts: NDArray[np.float64],
-) -> None:
+@njit(**OWNING)
+def _edges_of_side(grey, start, end, reach_px, out_points, out_steps, out_shifts):
     """Locate one side's edge by profiles: the centroid of the rise from dark inside outwards."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = np.sqrt(dx * dx + dy * dy)
@@ -298,8 +272,8 @@ def _edges_of_side(
         out_steps[i] = brightest - darkest
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
+@njit(**OWNING)
+def _bilinear(grey, x, y):
     height, width = grey.shape
     x = min(max(x, 0.0), width - 1.0)
     y = min(max(y, 0.0), height - 1.0)
@@ -310,15 +284,15 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
     return float(above * (1.0 - fy) + below * fy)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArray[np.bool_]:
+@njit(**OWNING)
+def _most_in_line(points, use):
     """Mask of the edge points near the best line through two of a few of them.
 
     Fischler and Bolles, Random sample consensus, 1981, with all pairs.
     """
     chosen = np.flatnonzero(use)
     stations = min(_STATIONS, len(chosen))
-    best: NDArray[np.bool_] = use
+    best = use
     most = 0
     for apart in range(stations - 1, 0, -1):
         for j in range(stations - apart):
@@ -343,10 +317,8 @@ def _most_in_line(points: NDArray[np.float64], use: NDArray[np.bool_]) -> NDArra
     return best
 
 
-@njit(cache=True, nogil=True, fastmath=False, inline="always")
-def _fit_line(
-    points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
-) -> int:
+@njit(**OWNING, inline="always")
+def _fit_line(points, use, out_line):
     """Fit one line by total least squares without outliers; return the number of points on it.
 
     ``use`` becomes those fitted.
@@ -384,14 +356,8 @@ def _fit_line(
     return int(near)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _errors_at(
-    points: NDArray[np.float64],
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    use: NDArray[np.bool_],
-    out_line: NDArray[np.float64],
-) -> None:
+@njit(**OWNING)
+def _errors_at(points, start, end, use, out_line):
     """Write a fitted line's standard errors at a side's two ends to ``out_line[4:]``.
 
     A regression makes them larger at a covered end.

@@ -3,15 +3,16 @@
 Pattern coordinates u, v are in cells from the upright marker's top left corner, v down.
 """
 
+# mypy: allow-untyped-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from planner.scene.compile_options import OWNING
 
 UNKNOWNS = 13
 """u = p0 a + p1 b + p2, v = p3 a + p4 b + p5; the blur, pixels; dark and contrast, each a plane of
@@ -42,13 +43,8 @@ _BLOCK = 64
 """Pixels summed at a time."""
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def settle_pattern(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    metric: NDArray[np.float64],
-) -> bool:
+@njit(**OWNING)
+def settle_pattern(pixels, bits, state, metric):
     """Run Gauss-Newton on ``state`` until it rests; True if the pattern is there.
 
     ``pixels`` (n, 3) from `marker_pixels`, ``state`` (13,) with a first guess of the affine map.
@@ -85,10 +81,8 @@ def settle_pattern(
     return bool(size <= _RESTS_CELLS and contrast > _MIN_CONTRAST and rms < _MAX_MISFIT * contrast)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def has_light_rim(
-    pixels: NDArray[np.float64], state: NDArray[np.float64], cells: int, cell_px: float
-) -> bool:
+@njit(**OWNING)
+def has_light_rim(pixels, state, cells, cell_px):
     """True if the rim is paper along each side.
 
     A marker may be cut tightly.
@@ -117,10 +111,8 @@ def has_light_rim(
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def inner_pixels(
-    pixels: NDArray[np.float64], state: NDArray[np.float64], cells: int, cell_px: float
-) -> NDArray[np.float64]:
+@njit(**OWNING)
+def inner_pixels(pixels, state, cells, cell_px):
     """Pixels affected by neither the rim nor the border's edge."""
     inmost = min(_BLUR_PX / cell_px, 0.5)
     is_inner = np.empty(len(pixels), dtype=np.bool_)
@@ -132,8 +124,8 @@ def inner_pixels(
     return pixels[is_inner]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _quantile(counts: NDArray[np.int64], share: float) -> float:
+@njit(**OWNING)
+def _quantile(counts, share):
     place = share * (counts.sum() - 1)
     first = math.floor(place)
     below = above = -1
@@ -151,8 +143,8 @@ def _quantile(counts: NDArray[np.int64], share: float) -> float:
     return float(below + (place - first) * (above - below))
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
+@njit(**OWNING)
+def solve(matrix, right):
     """Solve a symmetric system in place by Cholesky's factors, scaled to a diagonal of ones.
 
     False if not positive definite to rounding.
@@ -189,16 +181,8 @@ def solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def normal_equations(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    limit: float,
-    metric: NDArray[np.float64],
-    out_matrix: NDArray[np.float64],
-    out_right: NDArray[np.float64],
-) -> float:
+@njit(**OWNING)
+def normal_equations(pixels, bits, state, limit, metric, out_matrix, out_right):
     """Sum one Gauss-Newton step over all pixels, the matrix's lower half only; return the residual
     rms.
 
@@ -263,14 +247,8 @@ def normal_equations(
     return math.sqrt(total / max(len(pixels), 1))
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _add_products(
-    rows: NDArray[np.float64],
-    weighted: NDArray[np.float64],
-    count: int,
-    out_matrix: NDArray[np.float64],
-    out_right: NDArray[np.float64],
-) -> None:
+@njit(**{**OWNING, "fastmath": {"reassoc", "contract"}})
+def _add_products(rows, weighted, count, out_matrix, out_right):
     """Sum the products of ``count`` pixels' derivatives with each other and with the errors.
 
     The last two rows are errors and weights; ``weighted`` is scratch space.
@@ -288,10 +266,8 @@ def _add_products(
             out_matrix[j, k] += total
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _add_flat(
-    sums: NDArray[np.float64], light: int, weight: float, x: float, y: float, error: float
-) -> None:
+@njit(**OWNING)
+def _add_flat(sums, light, weight, x, y, error):
     """Add a pixel in the dark (row 0) or the light (row 1), away from edges."""
     sums[light, 0] += weight
     sums[light, 1] += weight * x
@@ -304,10 +280,8 @@ def _add_flat(
     sums[light, 8] += weight * error * y
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _add_alike(
-    flat: NDArray[np.float64], out_matrix: NDArray[np.float64], out_right: NDArray[np.float64]
-) -> None:
+@njit(**OWNING)
+def _add_alike(flat, out_matrix, out_right):
     """Add the sums of dark (row 0) and light pixels (row 1), which feel the contrast."""
     for light in range(2):
         sums = flat[light]
@@ -328,21 +302,21 @@ def _add_alike(
                 out_right[rows + k] += sums[6 + k]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def pixel_length(p: float, q: float, metric: NDArray[np.float64]) -> float:
+@njit(**OWNING)
+def pixel_length(p, q, metric):
     """Change of u = p a + q b over one pixel along its gradient."""
     return math.sqrt(p * p * metric[0, 0] + 2.0 * p * q * metric[0, 1] + q * q * metric[1, 1])
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
+@njit(**OWNING)
+def _cell(bits, column, row):
     if column < 0 or row < 0 or column >= len(bits) or row >= len(bits):
         return 1.0
     return float(bits[row, column])
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def blurred_step(t: float) -> tuple[float, float]:
+@njit(**OWNING)
+def blurred_step(t):
     """Normal distribution and its density, within 1e-7.
 
     Abramowitz and Stegun, Handbook of mathematical functions (1964), 26.2.17.

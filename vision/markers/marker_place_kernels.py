@@ -5,17 +5,17 @@ Corners in the order top left, top right, bottom right, bottom left of the uprig
 marker's ``bits`` (n, n), with the dark border, are 1 for light.
 """
 
+# mypy: allow-untyped-defs
+
 from __future__ import annotations
 
 import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from planner.scene.compile_options import OWNING
 from vision.calibration.calibration_kernels import placed_at, seen_at
-from vision.calibration.lens_model import PlaneView
 from vision.markers.marker_agreement_kernels import (
     LEAST_READ,
     NOT_READ,
@@ -51,15 +51,8 @@ _STRETCH_PX = 24
 (``test_marker_pattern.py``)."""
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def follow_marker(
-    grey: NDArray[np.uint8],
-    marker: tuple[float, float, float, float],
-    bits: NDArray[np.float64],
-    view: PlaneView,
-    out_m: NDArray[np.float64],
-    out_px: NDArray[np.float64],
-) -> tuple[float, float]:
+@njit(**OWNING)
+def follow_marker(grey, marker, bits, view, out_m, out_px):
     """Reading score, 0 for unread, of a marker expected at x, y, heading, side in metres.
 
     Also its worst corner's standard error, pixels. Its corners are as in `see_marker`.
@@ -82,15 +75,8 @@ def follow_marker(
     return read, error_px
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def see_marker(
-    grey: NDArray[np.uint8],
-    guess_px: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    view: PlaneView,
-    out_m: NDArray[np.float64],
-    out_px: NDArray[np.float64],
-) -> tuple[int, float, float]:
+@njit(**OWNING)
+def see_marker(grey, guess_px, bits, view, out_m, out_px):
     """Find the corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
 
     The pattern at the sides or, if hidden, near the guess gives ``out_m`` (4, 2) in the plane, and
@@ -114,14 +100,8 @@ def see_marker(
     return FITTED, roughness_px, error_px
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _sides_on_floor(
-    grey: NDArray[np.uint8],
-    guess_px: NDArray[np.float64],
-    cells: int,
-    view: PlaneView,
-    out_m: NDArray[np.float64],
-) -> tuple[int, float, float]:
+@njit(**OWNING)
+def _sides_on_floor(grey, guess_px, cells, view, out_m):
     """Intersect a marker's sides in the plane, into ``out_m`` (4, 2); the rest as `fit_quad`."""
     ideal = np.empty((4, 2))
     became, roughness_px, error_px = fit_quad(grey, guess_px, cells, view.lens, ideal)
@@ -138,23 +118,14 @@ def _sides_on_floor(
     return FITTED, roughness_px, error_px
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _seen_corners(
-    corners_m: NDArray[np.float64], view: PlaneView, out_px: NDArray[np.float64]
-) -> None:
+@njit(**OWNING)
+def _seen_corners(corners_m, view, out_px):
     for i in range(4):
         out_px[i, 0], out_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def place_pattern(
-    grey: NDArray[np.uint8],
-    corners_m: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    view: PlaneView,
-    sides_error_px: float,
-    out_m: NDArray[np.float64],
-) -> tuple[bool, float, float]:
+@njit(**OWNING)
+def place_pattern(grey, corners_m, bits, view, sides_error_px, out_m):
     """Write the corners of the pattern near ``corners_m`` (4, 2) to ``out_m``.
 
     ``sides_error_px`` is the worst corner's standard error, or `NO_SIDES`. If sides disagree with
@@ -187,16 +158,8 @@ def place_pattern(
     return _place_inner(pixels, bits, guess, metric, cell_px, (center, unit_m), out_m)
 
 
-@njit(cache=True, nogil=True, fastmath=False, inline="always")
-def _place_inner(
-    pixels: NDArray[np.float64],
-    bits: NDArray[np.float64],
-    state: NDArray[np.float64],
-    metric: NDArray[np.float64],
-    cell_px: float,
-    unit: tuple[tuple[float, float], float],
-    out_m: NDArray[np.float64],
-) -> tuple[bool, float, float]:
+@njit(**OWNING, inline="always")
+def _place_inner(pixels, bits, state, metric, cell_px, unit, out_m):
     """Corners of the pattern whose cells lie near ``state``; the rest as `place_pattern`.
 
     ``unit`` is the marker's middle and size in metres.
@@ -214,8 +177,8 @@ def _place_inner(
     return is_there, read, corner_error_px(inner, bits, state, metric, cell_px)
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]:
+@njit(**OWNING)
+def _middle(corners_m):
     x = y = unit_m = 0.0
     for i in range(4):
         x, y = x + 0.25 * corners_m[i, 0], y + 0.25 * corners_m[i, 1]
@@ -225,14 +188,8 @@ def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]
     return (x, y), unit_m
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _affine(
-    corners_m: NDArray[np.float64],
-    center: tuple[float, float],
-    unit_m: float,
-    cells: int,
-    out_state: NDArray[np.float64],
-) -> None:
+@njit(**OWNING)
+def _affine(corners_m, center, unit_m, cells, out_state):
     """Affine map from the corners, in units around their centre, to the pattern's.
 
     Least squares; the centre is the corners' mean.
@@ -259,10 +216,8 @@ def _affine(
     out_state[2] = out_state[5] = 0.5 * cells
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _metric(
-    seen_px: NDArray[np.float64], unit_m: float, view: PlaneView, out: NDArray[np.float64]
-) -> bool:
+@njit(**OWNING)
+def _metric(seen_px, unit_m, view, out):
     """J J^T (2, 2) of the plane, in units of the marker's size, by raw pixels at its middle."""
     x = y = 0.0
     for i in range(4):
@@ -278,15 +233,8 @@ def _metric(
     return bool(np.isfinite(out[0, 0]) and np.isfinite(out[1, 1]))
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def marker_pixels(
-    grey: NDArray[np.uint8],
-    corners_m: NDArray[np.float64],
-    state: NDArray[np.float64],
-    view: PlaneView,
-    cells: int,
-    cell_px: float,
-) -> NDArray[np.float64]:
+@njit(**OWNING)
+def marker_pixels(grey, corners_m, state, view, cells, cell_px):
     """Rows (n, 3) of a, b, grey value: the pixels on the marker and its rim.
 
     a, b are a pixel's place in the plane, in units of the marker's size around its centre;
@@ -318,16 +266,8 @@ def marker_pixels(
     return collect_pixels(grey, (x0, y0, x1, y1), view, place, state[:6], cells, rim)
 
 
-@njit(cache=True, nogil=True, fastmath=False, inline="always")
-def collect_pixels(
-    grey: NDArray[np.uint8],
-    box: tuple[int, int, int, int],
-    view: PlaneView,
-    place: tuple[float, float, float],
-    pattern_from_plane: NDArray[np.float64],
-    cells: int,
-    rim: float,
-) -> NDArray[np.float64]:
+@njit(**OWNING, inline="always")
+def collect_pixels(grey, box, view, place, pattern_from_plane, cells, rim):
     """Rows as of `marker_pixels` within ``box``.
 
     ``box`` is x0, y0, x1, y1 with the ends included, inside ``grey``; ``place`` the centre's x, y
@@ -372,8 +312,8 @@ def collect_pixels(
     return rows[:count]
 
 
-@njit(cache=True, nogil=True, fastmath=False)
-def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
+@njit(**OWNING)
+def _cubics(count):
     """Interpolate a function of ``count`` pixels in a row from a few values.
 
     Returns the nodes' distance in pixels, and for each pixel the first of its four nodes and their
