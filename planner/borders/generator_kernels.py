@@ -27,14 +27,6 @@ LEAST_DIVISOR = 1e-300
 """Least divisor of a quotient."""
 
 
-@njit(**OWNING)
-def disc_around(box, spacing):
-    """Disc (x, y, radius) that has generators, around a box x_min, y_min, x_max, y_max."""
-    width, height = box[2] - box[0], box[3] - box[1]
-    reach = 0.5 * math.sqrt(width * width + height * height) + AROUND * spacing
-    return box[0] + 0.5 * width, box[1] + 0.5 * height, reach
-
-
 @njit(**LEAF)
 def _is_shown(x, y, disc):
     """True if (x, y) lies in the disc."""

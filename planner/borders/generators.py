@@ -207,7 +207,10 @@ def count_generators(borders: Borders, spacing: float) -> float:
 
 def disc_around(borders: Borders, spacing: float) -> tuple[float, float, float]:
     """Disc (x, y, radius) around the bounds that has generators."""
-    return generator_kernels.disc_around(borders.box, spacing)  # type: ignore[no-any-return]
+    x0, y0, x1, y1 = borders.box.tolist()
+    width, height = x1 - x0, y1 - y0
+    reach = 0.5 * math.sqrt(width * width + height * height) + generator_kernels.AROUND * spacing
+    return x0 + 0.5 * width, y0 + 0.5 * height, reach
 
 
 def place_generators(borders: Borders, spacing: float) -> Generators:

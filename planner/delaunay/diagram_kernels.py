@@ -22,21 +22,12 @@ from planner.delaunay.triangle_kernels import (
     side_of,
     triangle_of,
 )
-from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.compile_options import OWNING
 
 VERTEX_TOLERANCE = 1e-11
 """Error bound, in parts of the scene or its circle, from which a vertex is computed again."""
 TURNED, NOT_EMPTY, WRONG_FLAG, NOT_CONVEX = 1, 2, 3, 4
 """Faults that `certify` finds: at a vertex, at an edge, at an edge, at a half-edge."""
-
-
-@njit(**LEAF)
-def first_bad_row(sites, limit):
-    """First row with a NaN, an infinity or a magnitude above `limit`, or -1."""
-    for i in range(sites.shape[0]):
-        if not (abs(sites[i, 0]) <= limit and abs(sites[i, 1]) <= limit):
-            return i
-    return -1
 
 
 @njit(**OWNING, error_model="numpy")

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from planner.delaunay.diagram_kernels import diagram, first_bad_row
+from planner.delaunay.diagram_kernels import diagram
 from planner.delaunay.half_edges import HalfEdges, read_sites
 from planner.shared.arguments import as_numbers
 
@@ -91,8 +91,9 @@ def _checked(sites: ArrayLike) -> NDArray[np.float64]:
     if not points.flags.writeable:
         # numba compiles again for read-only arrays; a copy is cheaper
         points = points.copy()
-    bad = first_bad_row(points, LARGEST_SITE)
-    if bad >= 0:
+    good = (np.abs(points) <= LARGEST_SITE).all(axis=1)
+    if not good.all():
+        bad = int(np.argmin(good))
         raise ValueError(
             f"sites[{bad}] = ({points[bad, 0]}, {points[bad, 1]}): "
             f"must be finite and within +-{LARGEST_SITE:g}"

@@ -19,7 +19,7 @@ class FlatMesh(NamedTuple):
     ``xy`` (2 ghost + 2,) are the sites in units of ``up``, a power of two, ``tri`` (8 t,) the
     triangles, ``label`` and ``also`` (ghost,) each site's piece and the next site at its place.
     ``stamp`` (ghost + 2,) and ``queue`` (ghost,) are working space; ``sag`` is that of
-    :func:`.mesh_kernels.largest_sag`.
+    :func:`.mesh.largest_sag`.
     """
 
     xy: NDArray[np.float64]

@@ -33,6 +33,7 @@ from planner.diagram.diagram_arrays import (
     Triangles,
 )
 from planner.scene import FloatArray, IntArray
+from planner.scene.primitives import ARC, CIRCLE
 
 GENERATOR_ROUNDS = 6
 """Most rounds of adding generators; one or two suffice on random scenes."""
@@ -156,11 +157,19 @@ def no_chains() -> tuple[Traced, Bent]:
     )
 
 
+def largest_sag(borders: Borders, half: float) -> float:
+    """Largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
+    radii = borders.data[(borders.kind == CIRCLE) | (borders.kind == ARC), 2]
+    radii = radii[radii > 0.0]
+    chords = np.minimum(half, 0.4 * radii)
+    return float((chords * chords / radii).max(initial=0.0))
+
+
 def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     """Solve the vertices, refine at non-empty circles, and bend the chains."""
     half = 0.5 * spacing
     pieces, tolerances = borders.corners, DiagramTolerances(half, half, borders.equal)
-    sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
+    sag = largest_sag(borders, half)
     flat, triangles = _flat(mesh, sag), mesh.triangles
     for turn in range(GENERATOR_ROUNDS + 1):
         missing = vertex_kernels.solve_vertices(

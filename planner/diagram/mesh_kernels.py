@@ -31,7 +31,7 @@ from planner.delaunay.triangle_kernels import (
     triangle_of,
 )
 from planner.scene.compile_options import LEAF, OWNING
-from planner.scene.primitive_kernels import NONE, distance, is_round
+from planner.scene.primitive_kernels import NONE, distance
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9
@@ -218,17 +218,6 @@ def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
             also[p] = also[v]
             also[v] = p
     return spare[:n]
-
-
-@njit(**LEAF)
-def largest_sag(kind, data, half):
-    """Largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
-    sag = 0.0
-    for i in range(len(kind)):
-        if is_round(kind[i]) and data[i, 2] > 0.0:
-            s = min(half, 0.4 * data[i, 2])
-            sag = max(sag, s * s / data[i, 2])
-    return sag
 
 
 @njit(**LEAF)

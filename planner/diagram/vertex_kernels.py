@@ -84,12 +84,6 @@ def _mark_valid(tri, label, triangles, changed, pieces, tolerance, between):
 
 
 @njit(**LEAF)
-def is_passage(mask, a, b, c):
-    """True if a vertex with labels a, b, c only passes from one edge to the next."""
-    return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
-
-
-@njit(**LEAF)
 def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     """True if two pieces are equally far from (x, y) because both feet are one corner.
 
@@ -223,7 +217,9 @@ def _choose(tri, label, changed, mask, state, wanted, todo):
         if (some and not wanted[p]) or mask[p] == 0 or state[p] != UNUSED:
             continue
         a, b = label[np.int64(tri[8 * p])], label[np.int64(tri[8 * p + 1])]
-        if not is_passage(mask[p], a, b, label[np.int64(tri[8 * p + 2])]):
+        c, bits = label[np.int64(tri[8 * p + 2])], mask[p]
+        # two valid edges of two labels only pass from one to the next
+        if not ((bits == 3 or bits == 5 or bits == 6) and (a == b or b == c or c == a)):
             todo[count] = p
             count += 1
     return count

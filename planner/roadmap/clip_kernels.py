@@ -271,15 +271,6 @@ def _write(tree, chains, a, s, b, e, out, n):
     return n + 1
 
 
-@njit(**LEAF)
-def _copy_chain(chains, c, out, n):
-    """Write chain c unchanged; return the number of points."""
-    for i in range(np.int64(chains.first[c]), np.int64(chains.first[c + 1])):
-        _copy_point(chains, i, out, n)
-        n += 1
-    return n
-
-
 @njit(**OWNING, error_model="numpy")
 def cut_chains(tree, chains, nodes, parts, whole):
     """Cut chains into their wide parts and those between, in order.
@@ -304,7 +295,9 @@ def cut_chains(tree, chains, nodes, parts, whole):
     for c in range(len(first) - 1):
         lo, hi = np.int64(first[c]), np.int64(first[c + 1]) - 1
         if k == m or where[k, 0] != c:
-            n = _copy_chain(chains, c, out, n)
+            for i in range(lo, hi + 1):
+                _copy_point(chains, i, out, n)
+                n += 1
             out.ends[count], wide[count] = ends[c], whole[c]
             count += 1
             out.first[count] = n

@@ -22,14 +22,12 @@ from numpy.typing import NDArray
 
 from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import NONE, grown
-from planner.search.chain_graph_kernels import ChainGraph, GateCosts, pop, pushed
+from planner.search.chain_graph_kernels import ChainGraph, GateCosts, costs_from, pop, pushed
 from planner.search.route_search_kernels import (
     CLEARED,
     between,
     gates_of,
     lay,
-    left_to,
-    put_behind,
     search,
 )
 
@@ -46,8 +44,8 @@ left, with the least cost onwards."""
 class Query(NamedTuple):
     """Fixed input of every search.
 
-    ``ahead`` (n,) from :func:`planner.search.route_search_kernels.left_to`, the costs of both
-    stations' gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations'
+    ``ahead`` (n,) is the least cost from every node to the goal, then the costs of both stations'
+    gates, steps over a station's ``own`` chain (2 c,), and the chains of the stations'
     entries.
     """
 
@@ -99,12 +97,6 @@ def _noted(query, table, cost, entry, out, root, rest, left):
     if kind == ANSWER:
         _insert(table.least, cost)
     return _put(table, steps, end, cost, entry, out, begin, end, left, kind)
-
-
-@njit(**OWNING)
-def _without_first(table):
-    routes, steps, filled, used, keys, items, waiting, least = table
-    return Table(routes, steps, filled, used, keys, items, waiting - 1, least)
 
 
 @njit(**OWNING)
@@ -335,7 +327,8 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
     own = np.zeros(2 * len(graph.chains.ends), np.bool_)
     _bar_own(start.where, from_cost.cost, own)
     _bar_own(goal.where, to_cost.cost, own)
-    ahead = left_to(graph, floor, start, goal)
+    ends = graph.chains.ends
+    ahead = costs_from(graph, floor, gates_of(goal, ends, floor), gates_of(start, ends, floor))
     query = Query(
         graph, ahead, floor, from_cost, to_cost, own,
         start.where[:, 0].copy(), goal.where[:, 0].copy(),
@@ -348,7 +341,8 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
         cost, pick = pop(table.keys, table.items, table.waiting)
         if cost > limit:
             break
-        table = _without_first(table)
+        routes, steps, filled, used, keys, items, waiting, least = table
+        table = Table(routes, steps, filled, used, keys, items, waiting - 1, least)
         work += 1
         if table.routes[pick, KIND] == SOUGHT:
             most = BEYOND * min(limit, table.least[-1])
@@ -363,9 +357,12 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
         way = table.steps[int(table.routes[pick, BEGIN]) : int(table.routes[pick, END])].copy()
         if table.routes[pick, KIND] == ANSWER:
             xy, beside = lay(graph.chains, start, entry, way, goal, out)
-            line, pair = put_behind(line, pair, begin[laid], xy, beside)
+            last, end = begin[laid], begin[laid] + len(xy)
+            if end > len(line):
+                line, pair = grown(line, 2 * end), grown(pair, 2 * end)
+            line[last:end], pair[last:end] = xy, beside
             laid += 1
-            begin[laid] = begin[laid - 1] + len(xy)
+            begin[laid] = end
         if entry >= 0 and laid < wanted:
             most = BEYOND * min(limit, table.least[-1])
             table, work = _leave(query, table, taken[:told], pick, most, work, budget)

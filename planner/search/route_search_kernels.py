@@ -16,8 +16,8 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import NONE, grown
-from planner.search.chain_graph_kernels import GateCosts, costs_from, pop, push, pushed
+from planner.scene.primitive_kernels import NONE
+from planner.search.chain_graph_kernels import GateCosts, pop, push, pushed
 
 CLEARED = 8
 """Nodes that are made ready for a search in the time of one step of it."""
@@ -127,13 +127,6 @@ def search(graph, ahead, floor, start, goal, shut, barred, most):
     if exit_node < 0:
         best = np.inf
     return best, entry, out, steps[:count][::-1].copy(), work
-
-
-@njit(**OWNING)
-def left_to(graph, floor, start, goal):
-    """Least cost from every node to the goal, for :func:`search`."""
-    begin = gates_of(start, graph.chains.ends, floor)
-    return costs_from(graph, floor, gates_of(goal, graph.chains.ends, floor), begin)
 
 
 @njit(**BORROWING)
@@ -274,13 +267,3 @@ def widest_way(graph, start, goal):
                 push(keys, items, size, -w, v)
                 size += 1
     return best
-
-
-@njit(**OWNING)
-def put_behind(line, pair, size, xy, beside):
-    """Append points and pairs to the first ``size``, grown if full."""
-    end = size + len(xy)
-    if end > len(line):
-        line, pair = grown(line, 2 * end), grown(pair, 2 * end)
-    line[size:end], pair[size:end] = xy, beside
-    return line, pair

@@ -93,33 +93,6 @@ def summed(counters):
     return histogram
 
 
-@njit(**LEAF)
-def clear_margin(mask, width):
-    """Clear a padded mask's first and last row, and the others around their ``width`` pixels."""
-    last = mask.shape[0] - 1
-    mask[0] = 0
-    mask[last] = 0
-    for y in range(1, last):
-        mask[y, 0] = 0
-        for x in range(width + 1, mask.shape[1]):
-            mask[y, x] = 0
-
-
-@njit(**LEAF)
-def mark_below(grey, bound, mask):
-    """Mark in a padded mask (h + 2, w') where a picture (h, w) is ``bound`` or darker.
-
-    Single-threaded: OpenCV's threads would wait for each other longer than this takes.
-    """
-    least_light = np.uint8(min(bound + 1, 255))
-    all_dark = bound >= 255
-    for y in range(grey.shape[0]):
-        row = grey[y]
-        marks = mask[y + 1, 1 : grey.shape[1] + 1]
-        for x in range(row.shape[0]):
-            marks[x] = all_dark | (row[x] < least_light)
-
-
 @njit(**OWNING)
 def noise_sigma(grey):
     """Standard deviation of the noise, from the median absolute second difference.

@@ -21,13 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise.binarise_kernels import (
-    SIGMAS,
-    clear_margin,
-    mark_below,
-    noise_sigma,
-    sampled_histogram,
-)
+from vision.binarise.binarise_kernels import SIGMAS, noise_sigma, sampled_histogram
 from vision.binarise.humps import TWO_HUMPED, Humps, deletes
 from vision.binarise.smoothing_kernels import (
     dots_left_out,
@@ -147,8 +141,9 @@ class GreyPicture:
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
         mask = self.pool.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
-        clear_margin(mask, width)
-        inside = mask[1:-1, 1 : width + 1]
+        mask[0] = mask[-1] = mask[:, 0] = 0
+        mask[:, width + 1 :] = 0
+        inside = mask[1:-1, 1 : width + 1].view(np.bool_)
         whole = self.grey.dtype == np.uint8
         bound = min(max(math.ceil(level) - 1, -1), 255)
         if whole and smoothing is BINOMIAL:
@@ -157,9 +152,9 @@ class GreyPicture:
             return mask
         smoothed = self.grey_after(smoothing)
         if whole:
-            mark_below(smoothed, np.int64(bound), mask)
+            np.less_equal(smoothed, bound, out=inside)
         else:
-            inside[:] = smoothed < level
+            np.less(smoothed, level, out=inside)
         if smoothing is not NO_SMOOTHING:
             of_its_kind = np.uint8(min(bound + 1, 255)) if whole else self.grey.dtype.type(level)
             mark_dots(self.grey, noise, dots_left_out(self.grey, of_its_kind, mask), mask)

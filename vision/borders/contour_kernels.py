@@ -84,7 +84,9 @@ def follow_borders(mask, xs, ys, directions):
                 areas[borders] = area
                 borders += 1
     starts[borders] = count
-    _forget_seen(mask, xs, ys, directions, count)
+    for i in range(count):
+        if directions[i] == 3:
+            mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
     return (
         xs[:count],
         ys[:count],
@@ -104,13 +106,6 @@ def _any_new(words):
         word = here[i]
         new |= word & ~((word << BYTE) | (before[i] >> LAST_BYTE) | (word >> ONE))
     return new & LOW_BITS != 0
-
-
-@njit(**LEAF)
-def _forget_seen(mask, xs, ys, directions, count):
-    for i in range(count):
-        if directions[i] == 3:
-            mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
 
 
 @njit(**LEAF)
@@ -268,21 +263,6 @@ def _walked_by(stride, xs, ys, directions, starts, keys):
                     break
                 slot = (slot + 1) & (size - 1)
     return found
-
-
-@njit(**LEAF)
-def count_contour_pixels(xs, ys, starts):
-    """Number of ``contour_pixels``, except a turn at a border's very end."""
-    count = 0
-    for b in range(starts.shape[0] - 1):
-        first = starts[b]
-        n = starts[b + 1] - first
-        x = xs[first : first + n]
-        y = ys[first : first + n]
-        count += 1
-        for i in range(1, n):
-            count += (x[i] != x[i - 1]) | (y[i] != y[i - 1])
-    return count
 
 
 @njit(**OWNING)

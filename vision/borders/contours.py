@@ -66,7 +66,9 @@ class Contours:
     @property
     def pixels(self) -> int:
         """Number of border pixels, counted at each visit: n of the paper."""
-        return int(kernels.count_contour_pixels(self.x, self.y, self.starts))
+        moved = (np.diff(self.x) != 0) | (np.diff(self.y) != 0)
+        moved[self.starts[1:-1] - 1] = True
+        return int(moved.sum()) + (len(self.starts) > 1)
 
     def contours(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
         """The 8-connected contours: points (n, 2), and where each border's begin (b + 1,)."""

@@ -85,7 +85,7 @@ def fit_borders(
 ):  # fmt: skip
     """Write lines, arcs and circles of every border into ``fitted``; returns the number of edges.
 
-    ``budgets``, ``pixels`` (b,): see ``vision.outline.limit_kernels.allow_losses``;
+    ``budgets``, ``pixels`` (b,): the area each may lose, and its object's pixels;
     ``crack_pixels``: the borders' cracks if edges must separate their pixels, else none;
     ``memory``: for the longest border.
 
@@ -190,7 +190,7 @@ def _fit_border(
         return WHOLE_CIRCLE, ONE
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
-    if edges < FEWEST_LINES and not _any(finished.kind, edges):
+    if edges < FEWEST_LINES and not _number_set(finished.kind, edges):
         # two lines enclose nothing: the border keeps its pixels' outline
         return TINY_BORDER, ZERO
     return POLYGON, edges
@@ -229,7 +229,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
             edges = edit_outline(
                 border, outline, edges, limits, tolerance.blur_px, costs, prices, work.scratch
             )
-        if bilevel and not _any(outline.is_arc, edges):
+        if bilevel and not _number_set(outline.is_arc, edges):
             # straight sides lose area at corners: the last check sees it
             break
         if crisp:
@@ -275,9 +275,9 @@ def _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished):
         cracks, finished, edges, budget, scratch.indices[2], scratch.flags[0], found, work.trial,
         scratch.numbers[0:2],
     )  # fmt: skip
-    if one_circle and count == edges and not _any_line(finished.kind, count):
+    if one_circle and count == edges and _number_set(finished.kind, count) == count:
         return ZERO
-    if count > edges or _any(finished.kind, count):
+    if count > edges or _number_set(finished.kind, count):
         count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, scratch)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
@@ -305,19 +305,11 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
 
 
 @njit(**LEAF)
-def _any(flags, count):
-    for i in range(count):  # noqa: SIM110 (numba knows no generators)
-        if flags[i]:
-            return True
-    return False
-
-
-@njit(**LEAF)
-def _any_line(kinds, count):
-    for e in range(count):  # noqa: SIM110 (numba knows no generators)
-        if kinds[e] == LINE:
-            return True
-    return False
+def _number_set(flags, count):
+    number = 0
+    for i in range(count):
+        number += flags[i] != 0
+    return number
 
 
 @njit(**LEAF)

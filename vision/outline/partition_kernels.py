@@ -125,7 +125,10 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     for t in range(m + 1):
         s = start + t
         search.position[t] = seeds[s] if s < m else seeds[s - m] + border.n
-    _least_rest(search, m, longest, prices)
+    search.rest[m] = 0.0
+    for t in range(m):
+        lines = math.ceil((search.position[m] - search.position[t]) / longest)
+        search.rest[t] = min(prices.arc, prices.line * lines)
     for t in range(m + 1):
         search.best[t] = limit - search.rest[t]
     search.best[0] = 0.0
@@ -153,7 +156,8 @@ def _extend(border, search, m, i, skip, costs, prices, fit):
             continue
         lo = position[i] - shift
         hi = position[j] - shift
-        trim = _trim(hi - lo, skip)
+        # a short stretch keeps its middle
+        trim = skip if hi - lo >= 3 * skip + 4 else max((hi - lo - 3) // 3, 0)
         a = lo + trim
         b = hi - trim
         may_be = ANY
@@ -210,27 +214,6 @@ def _longest_line(n, radius, worst, guard):
     if radius <= rise:
         return n
     return min(n, 2.0 * math.sqrt((2.0 * radius - rise) * rise) + 2.0 * guard + 2.0)
-
-
-@njit(**LEAF)
-def _least_rest(search, m, longest, prices):
-    """Fill ``rest``: the least cost of the edges from every seed on, of at most ``longest`` points
-    a line."""
-    position = search.position
-    rest = search.rest
-    rest[m] = 0.0
-    for i in range(m):
-        lines = math.ceil((position[m] - position[i]) / longest)
-        rest[i] = min(prices.arc, prices.line * lines)
-
-
-@njit(**LEAF)
-def _trim(length, guard):
-    if length >= 3 * guard + 4:
-        return guard
-    if length >= 6:
-        return min(guard, (length - 3) // 3)
-    return 0
 
 
 @njit(**LEAF)

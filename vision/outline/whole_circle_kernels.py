@@ -29,7 +29,7 @@ from vision.outline.fit.separating_fit_kernels import (
 )
 from vision.outline.fitted_borders import LINE
 from vision.outline.limit_kernels import LOUD_PX, MOST_MISS_PX
-from vision.shared.typed_numbers import ONE, ZERO
+from vision.shared.typed_numbers import ZERO
 
 LEAST_LOST = 1.0
 """Loss that does not cut a circle into arcs, whatever its budget: defined, a pixel."""
@@ -61,10 +61,14 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     sigma = costs.sigma
     worst = costs.worst
     # a sample rules out most other shapes
-    if not fit_circle(px, py, ZERO, n, max(1, n // ROUGH), circle):
+    count = ZERO
+    for k in range(0, n, max(1, n // ROUGH)):
+        near[0, count], near[1, count] = px[k], py[k]
+        count += 1
+    if not fit_circle(near[0], near[1], ZERO, count, circle):
         return HUGE, False
     far = circle_cost(px, py, ZERO, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
-    if far >= HUGE or not fit_circle(px, py, ZERO, n, ONE, circle):
+    if far >= HUGE or not fit_circle(px, py, ZERO, n, circle):
         return HUGE, False
     refine_circle(px, py, ZERO, n, circle)
     if not goes_round(px, py, n, circle[0], circle[1]):

@@ -67,7 +67,7 @@ def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
     """One arc along the points (n, 2), or a polyline's segments; and the rms residual."""
     px, py = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     circle = np.empty(3)
-    if fit_circle(px, py, 0, len(px), 1, circle):
+    if fit_circle(px, py, 0, len(px), circle):
         refine_circle(px, py, 0, len(px), circle)
         cx, cy, radius = circle.tolist()
         away = np.hypot(px - cx, py - cy) - radius

@@ -74,7 +74,8 @@ def _boxes(moves, boxes):
 
 @njit(**LEAF)
 def _insert(found, count, begin, end):
-    """Insert an interval by begin, merged with any it meets; return the new count."""
+    """Insert an interval, a little wider, by begin, merged with any it meets; the new count."""
+    begin, end = begin - FORBIDDEN_SLACK, end + FORBIDDEN_SLACK
     k = count
     while k > 0 and found[k - 1, 0] > begin:
         k -= 1
@@ -109,10 +110,7 @@ def unsafe_times(x, y, moves, boxes, found):
                 moves[m, GAP],
             )  # fmt: skip
             if begin < end:
-                at = moves[m, BEGIN]
-                count = _insert(
-                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
-                )
+                count = _insert(found, count, moves[m, BEGIN] + begin, moves[m, BEGIN] + end)
     return count
 
 
@@ -131,10 +129,7 @@ def forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found):
                 (moves[m, VX], moves[m, VY], moves[m, LASTS]), moves[m, GAP],
             )  # fmt: skip
             if begin < end:
-                at = moves[m, BEGIN]
-                count = _insert(
-                    found, count, at + begin - FORBIDDEN_SLACK, at + end + FORBIDDEN_SLACK
-                )
+                count = _insert(found, count, moves[m, BEGIN] + begin, moves[m, BEGIN] + end)
     return count
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.borders import generator_kernels
-from planner.borders.generators import gather_borders, place_generators
+from planner.borders.generators import disc_around, gather_borders, place_generators
 from planner.scene import (
     Arc,
     Bounds,
@@ -114,7 +113,7 @@ def test_the_part_of_a_piece_in_the_disc_has_all_the_generators_that_are_there(s
     borders = gather_borders(scene)
     everywhere = gather_borders(replace(scene, bounds=Bounds(-100.0, -100.0, 100.0, 100.0)))
     all_sites = place_generators(everywhere, RADIUS).sites
-    disc = generator_kernels.disc_around(borders.box, RADIUS)
+    disc = disc_around(borders, RADIUS)
     inside = np.hypot(all_sites[:, 0] - disc[0], all_sites[:, 1] - disc[1]) < disc[2] - 1e-9
     inside &= ~np.isin(abs(all_sites), 100.0).any(axis=1)
     wanted = {tuple(p) for p in np.round(all_sites[inside], 6).tolist()}

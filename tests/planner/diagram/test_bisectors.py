@@ -135,7 +135,7 @@ def test_the_nearest_border_is_found_among_the_sites_around_a_place(
     assert made is not None
     half = 2.0 * share
     mesh.solve(made, borders, 4.0 * share)
-    sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
+    sag = mesh.largest_sag(borders, half)
     flat = mesh._flat(made, sag)
     start = 8 * int(np.flatnonzero(np.isfinite(made.at[:, 0]))[0])
     places = rng.uniform((0.0, 0.0), (159.0, 119.0), (200, 2))

@@ -11,8 +11,8 @@ import pytest
 from planner.scene import CircleRecord
 from tests.support.drawn.render import coverage, draw, outline_points, polygon, ramp
 from vision.binarise.binarise import binarise
-from vision.binarise.binarise_kernels import mark_below, noise_sigma
-from vision.binarise.grey_picture import as_grey
+from vision.binarise.binarise_kernels import noise_sigma
+from vision.binarise.grey_picture import NO_SMOOTHING, GreyPicture, as_grey
 from vision.binarise.light_surface import light_surface
 from vision.picture_error import PictureError
 from vision.pipeline import extract
@@ -362,8 +362,7 @@ def test_the_noise_is_the_same_however_the_picture_is_turned(sigma: float) -> No
 def test_what_is_as_dark_as_the_bound_is_marked_and_the_margin_is_not(bound: int) -> None:
     grey = np.random.default_rng(3).integers(0, 256, (37, 29), np.uint8)
     grey[:2, :3] = [(0, 255, 127), (1, 254, 128)]
-    mask = np.zeros((39, 32), np.uint8)
-    mark_below(grey, np.int64(bound), mask)
+    mask = GreyPicture(grey).mask_below(bound + 1.0, NO_SMOOTHING, 1.0)
     wanted = np.zeros_like(mask)
     wanted[1:-1, 1:30] = grey.astype(int) <= bound
     assert np.array_equal(mask, wanted)

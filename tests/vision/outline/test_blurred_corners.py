@@ -80,7 +80,7 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
         outline.is_arc[:] = False
         for e in range(edges):
             outline.ranges[e] = breaks[e], edge_end(breaks, edges, n, e)
-            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, outline.shape[e])
+            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), outline.shape[e])
             outline.joints[e] = px[breaks[e]], py[breaks[e]]
         left = edit_outline(
             BorderPoints(px, py, n), outline, edges, LIMITS, 1.0, COSTS, Prices(30.0, 66.0, 54.0),

@@ -193,15 +193,6 @@ def typical_step(grey, worth, pairs):
     return cubes / squares if squares > 0.0 else 0.0
 
 
-@njit(**LEAF)
-def _support(worth, before, a, b, behind, cost):
-    step, sharp = _sharp_step(worth, before, a, b, behind)
-    if step < 0.0:
-        step = -step
-        sharp = -sharp
-    return min(step - cost, sharp)
-
-
 @njit(**OWNING)
 def support_by_level(grey, shut, worth, cost, pairs):
     """Support for a border at each level, and the number of pairs across it: 2 x (257,).
@@ -226,7 +217,8 @@ def support_by_level(grey, shut, worth, cost, pairs):
                 low = int(min(a, b) + 0.5)
                 high = int(max(a, b) + 0.5)
                 if low < high:
-                    support = _support(worth, before, a, b, behind, cost)
+                    step, sharp = _sharp_step(worth, before, a, b, behind)
+                    support = min(step - cost, sharp) if step >= 0.0 else min(-step - cost, -sharp)
                     changes[0, low + 1] += support
                     changes[1, low + 1] += 1.0
                     changes[0, high + 1] -= support

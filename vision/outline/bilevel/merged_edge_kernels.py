@@ -24,7 +24,6 @@ from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.limit_kernels import MOST_MISS_PX
-from vision.shared.typed_numbers import ONE
 
 GAP_STEPS = 12
 """Most steps to the line farthest from its pixels: indifferent, a bound on the work."""
@@ -215,7 +214,7 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, scratch):
 
     Between two lines it ends where its circle meets them, else at its joints.
     """
-    if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
+    if not fit_circle(cracks.x, cracks.y, lo, hi, circle):
         return False
     if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_MISS_PX, HUGE) >= HUGE:
         return False

@@ -21,7 +21,7 @@ from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import TAU, predecessor, successor
 from vision.outline.bilevel.lost_run_kernels import mark_runs, weigh_runs
 from vision.outline.bilevel.separation_kernels import find_lost
-from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
+from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep, write_line
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.typed_numbers import ZERO
@@ -176,19 +176,8 @@ def all_chords(cracks, finished, found):
     count = chords_between(cracks, first, first + n, x, y, x, y, found)
     for t in range(count):
         k = found[t]
-        _write(finished, t, cracks.x[k], cracks.y[k], k - n if k >= n else k)
+        write_line(finished, t, cracks.x[k], cracks.y[k], k - n if k >= n else k)
     return count
-
-
-@njit(**LEAF)
-def _write(finished, i, x, y, k):
-    finished.kind[i] = LINE
-    finished.rows[i, 0] = x
-    finished.rows[i, 1] = y
-    finished.rows[i, 2] = 0.0
-    finished.rows[i, 3] = 0.0
-    finished.rows[i, 4] = 0.0
-    finished.at[i] = k
 
 
 @njit(**LEAF)
@@ -283,7 +272,7 @@ def _write_stretch(cracks, finished, i, begun, ended, start, end, found):
         q = found[s]
         x = start[0] if s == 0 else cracks.x[q]
         y = start[1] if s == 0 else cracks.y[q]
-        _write(finished, i + s, x, y, q - n if q >= n else q)
+        write_line(finished, i + s, x, y, q - n if q >= n else q)
     return i + m
 
 
@@ -312,7 +301,4 @@ def _straighten(finished, n, count, j):
     turn = turn + TAU if turn < 0.0 else turn
     rise = finished.rows[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
     if turn * finished.rows[j, 4] > 2.0 * (hi - finished.at[j]) + 4.0 or rise < FLATTEST_PX:
-        finished.kind[j] = LINE
-        finished.rows[j, 2] = 0.0
-        finished.rows[j, 3] = 0.0
-        finished.rows[j, 4] = 0.0
+        write_line(finished, j, finished.rows[j, 0], finished.rows[j, 1], finished.at[j])

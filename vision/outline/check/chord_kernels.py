@@ -13,8 +13,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from vision.outline.fit.edge_shape_kernels import HUGE
-from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fitted_borders import LINE
+from vision.outline.fit.outline_kernels import edge_end, write_line
 from vision.shared.typed_numbers import ZERO
 
 
@@ -44,7 +43,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, scratch
             x = joints[e, 0] if t == 0 else px[found[t]]
             y = joints[e, 1] if t == 0 else py[found[t]]
             k = found[t] - n if found[t] >= n else found[t]
-            _write_chord(finished, count, k, x, y)
+            write_line(finished, count, x, y, k)
             count += 1
     return count
 
@@ -55,19 +54,8 @@ def chords_around(border, tolerance, scratch, finished):
     found = scratch.indices[0]
     count = _chords(border, ZERO, border.n, tolerance, found, scratch)
     for t in range(count):
-        _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
+        write_line(finished, t, border.x[found[t]], border.y[found[t]], found[t])
     return count
-
-
-@njit(**LEAF)
-def _write_chord(finished, i, k, x, y):
-    finished.at[i] = k
-    finished.kind[i] = LINE
-    finished.rows[i, 0] = x
-    finished.rows[i, 1] = y
-    finished.rows[i, 2] = 0.0
-    finished.rows[i, 3] = 0.0
-    finished.rows[i, 4] = 0.0
 
 
 @njit(**LEAF)

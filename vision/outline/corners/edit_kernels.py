@@ -39,7 +39,7 @@ from vision.outline.fit.edge_shape_kernels import BEATEN, HUGE, fit_line, line_c
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import EdgeRun
-from vision.shared.typed_numbers import NO, ONE
+from vision.shared.typed_numbers import NO
 
 CORNER, ONE_LINE, WALL_END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 """Replacements of a run of edges (defined): the corner of the two that stay, one line, a line
@@ -97,7 +97,11 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
             convex = convex and abs(turned) <= MOST_TURN
             if run > SHORT_RUN and bent and not convex:
                 break
-            saved = price + _cost_between_anchors(stays, sums) if run < edges - 1 else price
+            saved = price
+            if run < edges - 1:
+                lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
+                hi = stays[2] + int((stays[3] - stays[2]) * ANCHOR_TO)
+                saved = price + (sums[hi] - sums[lo])
             state = EdgeRun(i, j, run, spare, untouched, convex, bent, price, saved)
             for kind in range(KINDS):
                 if _may_be(border, outline, edges, state, kind, prices.line, blur, stays):
@@ -109,23 +113,12 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
                 if outline.is_arc[j] and not bent:
                     middle = (stays[2] + stays[3]) // 2
                     bent = _is_wide(border, stays[2], middle, stays[3], costs)
-            price += _price_of(outline, j, prices)
+            if outline.is_fillet[j]:
+                price += EDIT_SHARES[FILLET] * prices.line
+            else:
+                price += prices.arc if outline.is_arc[j] else prices.line
             stays[2] = stays[3]
     return any_edit
-
-
-@njit(**LEAF)
-def _cost_between_anchors(stays, sums):
-    lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
-    hi = stays[2] + int((stays[3] - stays[2]) * ANCHOR_TO)
-    return sums[hi] - sums[lo]
-
-
-@njit(**LEAF)
-def _price_of(outline, e, prices):
-    if outline.is_fillet[e]:
-        return EDIT_SHARES[FILLET] * prices.line
-    return prices.arc if outline.is_arc[e] else prices.line
 
 
 @njit(**LEAF)
@@ -268,7 +261,7 @@ def _try_line(border, outline, edges, run, blur, costs, change):
     if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # an edge never fitted
         return HUGE
     line = rows[1]
-    fit_line(border.x, border.y, lo, hi, ONE, line)
+    fit_line(border.x, border.y, lo, hi, line)
     cost = line_cost(
         border.x, border.y, lo, hi, line, NO, costs.dead_zone, costs.sigma, costs.worst, HUGE
     )

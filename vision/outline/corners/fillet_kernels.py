@@ -23,7 +23,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     change_cost,
 )
 from vision.outline.fit.edge_shape_kernels import FIT_ASTRAY, FIT_ROUNDS, HUGE, circle_rms, fit_line
-from vision.shared.typed_numbers import ONE, YES
+from vision.shared.typed_numbers import YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
 """Range of turns of a rounded corner (chosen): below, the corner is ill-known, above, its fillet is
@@ -201,8 +201,8 @@ def try_fillet(border, blur, costs, change):
         return HUGE
     points[0] = lo
     points[3] = hi
-    fit_line(px, py, lo, a_to, ONE, rows[0])
-    fit_line(px, py, b_from, hi, ONE, rows[2])
+    fit_line(px, py, lo, a_to, rows[0])
+    fit_line(px, py, b_from, hi, rows[2])
     least = ROUNDED_BY * blur.sigma
     radius = 0.0
     cost = HUGE
@@ -222,8 +222,8 @@ def try_fillet(border, blur, costs, change):
         if points[1] == points[2]:
             return HUGE
         if again < REFITS - 1:
-            fit_line(px, py, lo, max(points[1] - 1, lo + 2), ONE, rows[0])
-            fit_line(px, py, min(points[2] + 1, hi - 2), hi, ONE, rows[2])
+            fit_line(px, py, lo, max(points[1] - 1, lo + 2), rows[0])
+            fit_line(px, py, min(points[2] + 1, hi - 2), hi, rows[2])
     return cost
 
 

@@ -27,7 +27,6 @@ from vision.outline.fit.edge_shape_kernels import (
 )
 from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX, edge_end
 from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
-from vision.shared.typed_numbers import ONE
 
 CORNER_ROUNDS = 4
 """Most fits of edges, each with the last corners: chosen, a bound on the work."""
@@ -121,7 +120,7 @@ def _fit_edges(border, outline, edges, limits, near):
         ranges[e, 0] = a
         ranges[e, 1] = b
         row = outline.shape[e]
-        if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, ONE, row)):
+        if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, row)):
             is_arc[e] = False
         if is_arc[e]:
             chord_x = px[b - 1] - px[a]
@@ -134,7 +133,7 @@ def _fit_edges(border, outline, edges, limits, near):
                 separate_circle(px, py, a, b, row, near)
             row[4] = circle_rms(px, py, a, b, row)
         else:
-            fit_line(px, py, a, b, ONE, row)
+            fit_line(px, py, a, b, row)
             if limits.crisp:
                 separate_line(px, py, a, b, row, near)
             row[4] = line_rms(px, py, a, b, row)
@@ -157,15 +156,6 @@ def nearest_point(border, middle, before, after, x, y):
             best = d
             where = k
     return where - n if where >= n else where, math.sqrt(best)
-
-
-@njit(**LEAF)
-def _shorter_side(border, a, corner, b):
-    px = border.x
-    py = border.y
-    to_a = (px[a] - px[corner]) ** 2 + (py[a] - py[corner]) ** 2
-    to_b = (px[b] - px[corner]) ** 2 + (py[b] - py[corner]) ** 2
-    return math.sqrt(min(to_a, to_b))
 
 
 @njit(**LEAF)
@@ -262,7 +252,10 @@ def _join_at(border, outline, edges, limits, e, found):
             border, here, min(SLIDE, slack_before), min(SLIDE, slack_after), found[0], found[1]
         )
         explained = 0.5 + (0.3 + limits.corner_blur) / max(found[2], 0.1)
-        foreseen = FORESEEN * _shorter_side(border, breaks[before], where, breaks[after])
+        px, py, p, q = border.x, border.y, breaks[before], breaks[after]
+        to_p = (px[p] - px[where]) ** 2 + (py[p] - py[where]) ** 2
+        to_q = (px[q] - px[where]) ** 2 + (py[q] - py[where]) ** 2
+        foreseen = FORESEEN * math.sqrt(min(to_p, to_q))
         if distance <= min(explained, max(foreseen, STRAY_PX)):
             joints[e, 0] = found[0]
             joints[e, 1] = found[1]

@@ -10,7 +10,6 @@ from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
 from vision.outline.fit.edge_shape_kernels import circle_rms, fit_circle
 from vision.outline.fit.outline_kernels import KNOWN_PX
-from vision.shared.typed_numbers import ONE
 
 BENT_PX = 3.0 * KNOWN_PX
 """Rise of a bent line's arc over its chord: derived, a line through it is off by a third, the least
@@ -52,11 +51,11 @@ def any_bent_line(border, outline, edges, spread, circle):
         if pair and ranges[after, 1] - ranges[after, 0] >= LEAST_BEND_POINTS:
             end = ranges[after, 1]
             end = end + n if end <= a else end
-            if end <= 2 * n and fit_circle(px, py, a, end, ONE, circle):
+            if end <= 2 * n and fit_circle(px, py, a, end, circle):
                 allowed = max(shape[e, 4], shape[after, 4]) + AS_GOOD_PX
                 if circle_rms(px, py, a, end, circle) < allowed:
                     return True
-        if shape[e, 4] < 0.2 * least or not fit_circle(px, py, a, b, ONE, circle):
+        if shape[e, 4] < 0.2 * least or not fit_circle(px, py, a, b, circle):
             continue
         dx = px[b - 1] - px[a]
         dy = py[b - 1] - py[a]

@@ -39,32 +39,22 @@ CIRCLE_SETTLED_PX = 1e-6
 
 
 @njit(**SUMS)
-def fit_line(px, py, lo, hi, step, out):
-    """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
+def fit_line(px, py, lo, hi, out):
+    """Total least squares through points lo .. hi - 1: out = x, y, ux, uy."""
     ox = px[lo]
     oy = py[lo]
     sx = sy = sxx = sxy = syy = 0.0
-    count = (hi - lo + step - 1) // step
-    if step == 1:
-        xs = px[lo:hi]
-        ys = py[lo:hi]
-        for k in range(count):
-            x = xs[k] - ox
-            y = ys[k] - oy
-            sx += x
-            sy += y
-            sxx += x * x
-            sxy += x * y
-            syy += y * y
-    else:
-        for k in range(lo, hi, step):
-            x = px[k] - ox
-            y = py[k] - oy
-            sx += x
-            sy += y
-            sxx += x * x
-            sxy += x * y
-            syy += y * y
+    count = hi - lo
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    for k in range(count):
+        x = xs[k] - ox
+        y = ys[k] - oy
+        sx += x
+        sy += y
+        sxx += x * x
+        sxy += x * y
+        syy += y * y
     means = (sx / count, sy / count, sxx / count, sxy / count, syy / count)
     put_line(ox, oy, means, px[hi - 1], py[hi - 1], out)
 
@@ -99,47 +89,30 @@ def put_line(ox, oy, means, last_x, last_y, out):
 
 
 @njit(**SUMS)
-def fit_circle(px, py, lo, hi, step, out):
-    """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
+def fit_circle(px, py, lo, hi, out):
+    """Taubin's circle through points lo .. hi - 1: out = cx, cy, r.
 
     False if the points lie on a line.
     """
-    count = (hi - lo + step - 1) // step
+    count = hi - lo
     mx = my = xx = xy = yy = xz = yz = zz = 0.0
-    if step == 1:
-        xs = px[lo:hi]
-        ys = py[lo:hi]
-        for k in range(count):
-            mx += xs[k]
-            my += ys[k]
-        mx /= count
-        my /= count
-        for k in range(count):
-            x = xs[k] - mx
-            y = ys[k] - my
-            z = x * x + y * y
-            xx += x * x
-            xy += x * y
-            yy += y * y
-            xz += x * z
-            yz += y * z
-            zz += z * z
-    else:
-        for k in range(lo, hi, step):
-            mx += px[k]
-            my += py[k]
-        mx /= count
-        my /= count
-        for k in range(lo, hi, step):
-            x = px[k] - mx
-            y = py[k] - my
-            z = x * x + y * y
-            xx += x * x
-            xy += x * y
-            yy += y * y
-            xz += x * z
-            yz += y * z
-            zz += z * z
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    for k in range(count):
+        mx += xs[k]
+        my += ys[k]
+    mx /= count
+    my /= count
+    for k in range(count):
+        x = xs[k] - mx
+        y = ys[k] - my
+        z = x * x + y * y
+        xx += x * x
+        xy += x * y
+        yy += y * y
+        xz += x * z
+        yz += y * z
+        zz += z * z
     xx /= count
     xy /= count
     yy /= count

@@ -81,6 +81,18 @@ def _is_ccw(px, py, lo, hi, cx, cy):
 
 
 @njit(**LEAF)
+def write_line(finished, i, x, y, k):
+    """Make finished edge i a line from (x, y) on, which begins at crack or point k."""
+    finished.at[i] = k
+    finished.kind[i] = LINE
+    finished.rows[i, 0] = x
+    finished.rows[i, 1] = y
+    finished.rows[i, 2] = 0.0
+    finished.rows[i, 3] = 0.0
+    finished.rows[i, 4] = 0.0
+
+
+@njit(**LEAF)
 def finish_edge(border, outline, edges, e, rows, circle):
     """Write edge e between its joints into ``rows``, except the deviation; return its kind.
 
