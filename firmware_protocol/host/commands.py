@@ -7,6 +7,7 @@ moves the robot.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -107,6 +108,13 @@ class Commands:
         if wanted and (upload.blocked or upload.complete):
             return Start(number, upload.mission.id, upload.executed)
         return None
+
+    def due_times_s(self) -> Iterator[float]:
+        """Times at which the wait for an answer ends, and the pause before another START."""
+        if self._waiting is not None:
+            yield self._waiting.sent_s + RETRY_S
+        if self._start_s is not None:
+            yield self._start_again_s
 
     def settle(self, status: Status, now_s: float) -> CommandEnded | None:
         """Look for the answer in a report; return the command's end if found."""

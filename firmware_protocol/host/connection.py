@@ -52,6 +52,11 @@ from firmware_protocol.wire.mission import Mission
 
 SILENCE_S: Final = 0.5
 """Silence of the session after which the link is lost."""
+TICK_S: Final = 0.02
+"""Longest time between two looks at the timeouts."""
+CLOSED_TICK_S: Final = 0.1
+EARLY_S: Final = 1e-6
+"""A look so much too early costs nothing; rounding must not make one late."""
 REFUSED_S: Final = 8.0
 """Time for which a refusal is believed: two requests may get lost."""
 
@@ -344,7 +349,7 @@ class HostConnection:
             self._change(LinkEvent.MISSION_OVER, reason)
 
     def tick(self, now_s: float) -> None:
-        """Handle timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
+        """Handle timeouts: call at least every ``TICK_S``, and before :meth:`bytes_to_send`."""
         if self.state.is_asking or self.state is LinkState.CLOSED:
             if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
                 self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
@@ -370,10 +375,23 @@ class HostConnection:
         return data
 
     def deadline_s(self, now_s: float) -> float:
-        """Time to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
+        """Time to call :meth:`tick` and :meth:`bytes_to_send` again, at most ``TICK_S`` away.
+
+        Until then nothing is due if nothing arrives, no order is given, and nothing was due now.
+        """
         if self.state is LinkState.CLOSED:
-            return now_s + 0.1
-        return self._out.deadline_s(now_s)
+            return now_s + CLOSED_TICK_S
+        times_s = self._out.due_times_s(self.state, now_s)
+        soon_s = (t for t in times_s if t > now_s - EARLY_S)
+        return max(now_s, min(now_s + TICK_S, self._timeout_s, *soon_s) - EARLY_S)
+
+    @property
+    def _timeout_s(self) -> float:
+        if self.state is LinkState.REFUSED:
+            return self._refused_s + REFUSED_S
+        if self.state.is_asking:
+            return math.inf
+        return min(self.heard_s + SILENCE_S, self._out.window.deadline_s())
 
     def _new_session(self, now_s: float) -> None:
         self._sessions.renew(now_s)

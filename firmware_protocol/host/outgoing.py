@@ -8,6 +8,7 @@ waypoints. Seconds of the host's monotonic clock.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Final
 
 from firmware_protocol.host.commands import Commands
@@ -76,15 +77,17 @@ class Outgoing:
         frame = self._next_frame(state, status, upload, now_s)
         return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
 
-    def deadline_s(self, now_s: float) -> float:
-        """Time to ask again if nothing arrives."""
-        soon = [now_s + 0.02]
-        if self.pace.ready_s > now_s:
-            soon.append(self.pace.ready_s)
-        timeout_s = self.window.deadline_s()
-        if timeout_s is not None:
-            soon.append(timeout_s)
-        return max(now_s, min(soon))
+    def due_times_s(self, state: LinkState, now_s: float) -> Iterator[float]:
+        """Times at which a frame may be due; one that is past waits for bytes or an order."""
+        if self.estop_wanted:
+            yield self._estop_s + ESTOP_REPEAT_S
+        if now_s < self.pace.ready_s:
+            yield self.pace.ready_s
+        elif state.is_asking or state is LinkState.VERIFY:
+            yield self._sessions.next_hello_s(state is LinkState.LINK_LOST)
+        else:
+            yield self.clock.question_s
+            yield from self.commands.due_times_s()
 
     def _next_frame(
         self, state: LinkState, status: Status | None, upload: Upload | None, now_s: float

@@ -45,10 +45,18 @@ class RobotClock:
         self.estimate = ClockEstimate()
         self.new_session()
 
+    @property
+    def _interval_s(self) -> float:
+        return FAST_S if self._count < FAST_COUNT or self._doubted else SLOW_S
+
+    @property
+    def question_s(self) -> float:
+        """Time of the next question."""
+        return self._asked_s + self._interval_s
+
     def next_question(self, now_s: float) -> TimeSync | None:
         """Question that is due, which then counts as sent, or None."""
-        fast = self._count < FAST_COUNT or self._doubted
-        if now_s - self._asked_s < (FAST_S if fast else SLOW_S):
+        if now_s - self._asked_s < self._interval_s:
             return None
         self._asked_s = now_s
         self._count += 1

@@ -106,6 +106,10 @@ class HostSessions:
         self._frames = None  # the robot counts this HELLO too
         return True
 
+    def next_hello_s(self, lost: bool) -> float:
+        """Time of the next HELLO; a lost link's waits until another host is silent."""
+        return max(self._hello_s, self._foreign_s + FOREIGN_S) if lost else self._hello_s
+
     def wait_long(self, now_s: float) -> None:
         """Ask an unusable robot again, but seldom."""
         self._hello_s = now_s + HELLO_REFUSED_S

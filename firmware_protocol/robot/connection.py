@@ -6,11 +6,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from firmware_protocol.robot.clearway.estimate import TIME
 from firmware_protocol.robot.clearway.link import SESSION_ERRORS, Link
 from firmware_protocol.robot.controller import RobotController
 from firmware_protocol.wire.messages import SCHEMA_HASH, ResetCause
+
+EARLY_US: Final = 2
+"""Times are rounded to 1 us."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +48,13 @@ class RobotConnection:
         """Return the most urgent due frame, empty if none is; call when the line is free."""
         size = self.link.next_frame(self._pass_time(now_s))
         return bytes(self.link.frame[:size]) if size else b""
+
+    def quiet_s(self) -> float:
+        """Seconds for which no frame is due if nothing arrives and no cycle is run.
+
+        Not positive if one may be due.
+        """
+        return (self.link.quiet_us() - EARLY_US) / 1e6
 
     @property
     def session(self) -> int | None:

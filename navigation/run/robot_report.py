@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
-from navigation.mission.running_plan import distance_to_polyline
+from navigation.mission.running_plan import distances_to_polyline
 from planner.scene import FloatArray
+
+ROWS_AT_ONCE: Final = 256
+"""Rows of a track that are compared with a path at once: a few megabytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +151,8 @@ class Report:
 
 def tracking_error(track: FloatArray, path: FloatArray) -> FloatArray:
     """Distance (n,) of each position of a track (n, 2) from the planned path (k, 2)."""
-    return np.array([distance_to_polyline(path, (x, y)) for x, y in track])
+    parts = np.split(track, range(ROWS_AT_ONCE, len(track), ROWS_AT_ONCE))
+    return np.concatenate([distances_to_polyline(path, part) for part in parts])
 
 
 def rms_and_max(errors: FloatArray) -> TrackingError:

@@ -72,7 +72,8 @@ class _Wheel:
         self._model, self._scale = model, scale
         self._standard_normal = rng.standard_normal
         self._dt_s = math.nan
-        self._order = (math.nan, False)
+        self._order_m_s = math.nan
+        self._was_at_rest = False
         self._target_m_s = 0.0
 
     def _take_steps_of(self, dt_s: float) -> None:
@@ -87,12 +88,12 @@ class _Wheel:
         if dt_s != self._dt_s:
             self._take_steps_of(dt_s)
         speed_m_s = self.speed_m_s
-        order = (order_m_s, abs(speed_m_s) < AT_REST_M_S)
-        if order != self._order:
-            self._order = order
-            self._target_m_s = self._model.driven(order_m_s, at_rest=order[1])
+        at_rest = -AT_REST_M_S < speed_m_s < AT_REST_M_S
+        if order_m_s != self._order_m_s or at_rest is not self._was_at_rest:
+            self._order_m_s, self._was_at_rest = order_m_s, at_rest
+            self._target_m_s = self._model.driven(order_m_s, at_rest=at_rest)
         speed_m_s += self._blend * (self._target_m_s - speed_m_s)
-        if abs(speed_m_s) < STANDS_M_S:
+        if -STANDS_M_S < speed_m_s < STANDS_M_S:
             self.speed_m_s = 0.0
             return 0.0
         self.speed_m_s = speed_m_s
@@ -136,6 +137,8 @@ class Drive:
         left_m_s, right_m_s, powered = wanted
         if not (powered and self.has_power):
             left_m_s = right_m_s = 0.0
+        if left_m_s == right_m_s == self._left.speed_m_s == self._right.speed_m_s == 0.0:
+            return
         left_m = self._left.turn(dt_s, left_m_s)
         right_m = self._right.turn(dt_s, right_m_s)
         if not (left_m or right_m):

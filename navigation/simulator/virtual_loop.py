@@ -35,18 +35,19 @@ class PacedLine:
     def __init__(self, baud: float) -> None:
         self._byte_s = 10.0 / baud
         self._bytes: deque[tuple[float, bytes]] = deque()
-        self._free_s = 0.0
+        self.free_s = 0.0
+        """Time from which the sender may put the next byte."""
         self.arrives_s = math.inf
         """Arrival of the next bytes; infinity if none are on their way."""
 
     def free(self, now_s: float) -> bool:
         """True if the sender may put the next byte."""
-        return now_s >= self._free_s
+        return now_s >= self.free_s
 
     def put(self, data: bytes, now_s: float) -> None:
         """Send bytes after those under way."""
-        start = max(now_s, self._free_s)
-        self._free_s = start + len(data) * self._byte_s
+        start = max(now_s, self.free_s)
+        self.free_s = start + len(data) * self._byte_s
         for at in range(0, len(data), 8):
             part = data[at : at + 8]
             self._bytes.append((start + (at + len(part)) * self._byte_s, part))
@@ -96,7 +97,8 @@ def python_robot(identity: Identity, settings: DriveSettings) -> RobotConnection
 class VirtualLoop:
     """The whole loop; :meth:`run` it, and look at ``host``, ``robot``, ``drive``, ``track``.
 
-    ``make_robot`` may give another robot with the face of ``RobotConnection``.
+    ``make_robot`` may give another robot with the face of ``RobotConnection``. Neither end is asked
+    before it is due; one that is taken from the loop may get an order, and is due at once.
     """
 
     seed: int = 0
@@ -112,8 +114,6 @@ class VirtualLoop:
     robot_clock_drift: float = 0.0
     make_robot: Callable[[Identity, DriveSettings], RobotConnection] = python_robot
     now_s: float = field(init=False)
-    host: HostConnection = field(init=False)
-    robot: RobotConnection = field(init=False)
     drive: Drive = field(init=False)
     knobs: Knobs = field(default_factory=Knobs, init=False)
     events: list[Event] = field(default_factory=list, init=False)
@@ -121,6 +121,10 @@ class VirtualLoop:
     wheels: WheelSpeeds = field(init=False)
     to_robot: PacedLine = field(init=False)
     to_host: PacedLine = field(init=False)
+    _host: HostConnection = field(init=False)
+    _host_due_s: float = field(default=-math.inf, init=False)
+    _robot: RobotConnection = field(init=False)
+    _robot_due_s: float = field(default=-math.inf, init=False)
     _rng: np.random.Generator = field(init=False)
     _faulty: tuple[FaultyLine, FaultyLine] = field(init=False)
     _seen: deque[tuple[float, TruePose]] = field(default_factory=deque, init=False)
@@ -148,6 +152,26 @@ class VirtualLoop:
         self.wheels = WheelSpeeds(0.0, 0.0, powered=False)
 
     @property
+    def host(self) -> HostConnection:
+        """The host's end."""
+        self._host_due_s = -math.inf
+        return self._host
+
+    @host.setter
+    def host(self, host: HostConnection) -> None:
+        self._host, self._host_due_s = host, -math.inf
+
+    @property
+    def robot(self) -> RobotConnection:
+        """The robot's end."""
+        self._robot_due_s = -math.inf
+        return self._robot
+
+    @robot.setter
+    def robot(self, robot: RobotConnection) -> None:
+        self._robot, self._robot_due_s = robot, -math.inf
+
+    @property
     def robot_s(self) -> float:
         """The robot's own clock."""
         passed_s = self.now_s - self.start_s
@@ -169,14 +193,14 @@ class VirtualLoop:
         knobs, cycle_ends = self.knobs, self._ticks % CONTROL_TICKS == 0
         if self.to_robot.arrives_s <= now_s or self._faulty[0].held:
             self._bytes_to_robot(now_s)
-        if not knobs.frozen:
-            robot_s = self.robot_s
-            self._bytes_of_robot(now_s, robot_s)
-            controller = self.robot.controller
-            if cycle_ends:
-                controller.step(robot_s, *self.drive.encoders_m)
-            self.wheels = controller.wheels
-        self._host_turn(now_s)
+        if knobs.frozen:
+            self._robot_due_s = -math.inf
+        elif cycle_ends or self._robot_due_s <= now_s:
+            self._robot_turn(now_s, cycle_ends)
+        if self.to_host.arrives_s <= now_s or self._faulty[1].held:
+            self._bytes_to_host(now_s)
+        if self._host_due_s <= now_s:
+            self._host_turn(now_s)
         self.drive.step(TICK_S, self.wheels)
         if cycle_ends:
             self.track.append((now_s, *self.drive.pose))
@@ -184,35 +208,46 @@ class VirtualLoop:
             self._look()
         if knobs.lease and self._ticks % self._lease_ticks == 0:
             self.host.lease(now_s, 0.5, knobs.permit, now_s - self._captured_s)
-        while (event := self.host.next_event()) is not None:
-            self.events.append(event)
 
     def _bytes_to_robot(self, now_s: float) -> None:
         knobs = self.knobs
         arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
         if arrived and knobs.cable and knobs.to_robot and not knobs.frozen:
-            self.robot.receive_bytes(arrived, self.robot_s)
+            self.robot.receive_bytes(arrived, self.robot_s)  # which makes it due
         if arrived and knobs.echo:
             self.to_host.put(arrived, now_s)
 
-    def _bytes_of_robot(self, now_s: float, robot_s: float) -> None:
-        """Send the robot's next frame; either way its controller watches the lease."""
-        if not self.to_host.free(now_s):
-            self.robot.controller.tick(robot_s)
-            return
-        frame = self.robot.next_frame(robot_s)
-        if frame:
-            self.to_host.put(frame, now_s)
+    def _robot_turn(self, now_s: float, cycle_ends: bool) -> None:
+        """Send the robot's next frame, or let it watch its lease, if that is due; run its cycle."""
+        robot, robot_s = self._robot, self.robot_s
+        if self._robot_due_s <= now_s:
+            if not self.to_host.free(now_s):
+                robot.controller.tick(robot_s)
+            elif frame := robot.next_frame(robot_s):
+                self.to_host.put(frame, now_s)
+        if cycle_ends:
+            robot.controller.step(robot_s, *self.drive.encoders_m)
+        self.wheels = robot.controller.wheels
+        quiet_s = robot.quiet_s() / (1.0 + self.robot_clock_drift)
+        self._robot_due_s = max(self.to_host.free_s, now_s + quiet_s)
+
+    def _bytes_to_host(self, now_s: float) -> None:
+        arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
+        if arrived and self.knobs.cable:
+            self._host.receive_bytes(arrived, now_s)
+            if 0 in arrived:  # the end of a frame: nothing else makes the host answer
+                self._host_due_s = now_s
 
     def _host_turn(self, now_s: float) -> None:
-        if self.to_host.arrives_s <= now_s or self._faulty[1].held:
-            arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
-            if arrived and self.knobs.cable:
-                self.host.receive_bytes(arrived, now_s)
-        self.host.tick(now_s)
-        data = self.host.bytes_to_send(now_s)
+        """Send the host's next frame, and take its news."""
+        host = self._host
+        host.tick(now_s)
+        data = host.bytes_to_send(now_s)
         if data:
             self.to_robot.put(data, now_s)
+        self._host_due_s = now_s if data else host.deadline_s(now_s)
+        while (event := host.next_event()) is not None:
+            self.events.append(event)
 
     def _look(self) -> None:
         if self.knobs.camera and self._ticks % self._camera_ticks == 0:

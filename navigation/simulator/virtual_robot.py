@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from firmware_protocol.wire.messages import ResetCause, StopReason
-from navigation.shared.track import Track
 from navigation.simulator.drive_model import TruePose
 from navigation.simulator.virtual_loop import VirtualLoop
 from planner.scene import FloatArray
@@ -17,8 +18,8 @@ class VirtualRobot:
 
     def __init__(self, loop: VirtualLoop) -> None:
         self._loop = loop
-        self._track = Track()
-        self._rows = 0
+        self._rows: list[tuple[float, float, float, float]] = []
+        self._noted = 0
 
     def pose(self) -> TruePose:
         """Present pose."""
@@ -26,7 +27,7 @@ class VirtualRobot:
 
     def track(self) -> FloatArray:
         """Track so far, every 20 ms."""
-        return self._track.rows()
+        return np.array(self._rows).reshape(-1, 4)
 
     def press_estop(self) -> None:
         """Press the emergency stop on the robot itself."""
@@ -38,8 +39,7 @@ class VirtualRobot:
 
     def keep_track(self) -> None:
         """Take over the loop's notes since the last call."""
-        for row in self._loop.track:
-            if self._rows % ROBOT_EVERY == 0:
-                self._track.add(*row)
-            self._rows += 1
-        self._loop.track.clear()
+        noted = self._loop.track
+        self._rows += noted[-self._noted % ROBOT_EVERY :: ROBOT_EVERY]
+        self._noted += len(noted)
+        noted.clear()

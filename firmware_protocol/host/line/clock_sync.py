@@ -112,8 +112,8 @@ class ClockEstimate:
         """True if a report just received does not fit the estimate."""
         if not self.ready:
             return False
-        late_s = now_s - self.host_s(robot_us, now_s)
-        return not -self.error_s(now_s) <= late_s <= self.error_s(now_s) + DOUBT_S
+        late_s, error_s = now_s - self.host_s(robot_us, now_s), self.error_s(now_s)
+        return not -error_s <= late_s <= error_s + DOUBT_S
 
     def _forget_what_contradicts(self, sample: _Sample, now_s: float) -> None:
         apart_s = abs(sample.offset_s - self.offset_s(now_s))

@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from typing import Final
@@ -150,9 +151,9 @@ class SendWindow:
             self.rtt.back_off()
             self._go_back(now_s)
 
-    def deadline_s(self) -> float | None:
-        """Time of the timeout; None while nothing is in flight."""
-        return self._timer_s + self.rtt.timeout_s if self._sent else None
+    def deadline_s(self) -> float:
+        """Time of the timeout; infinity while nothing is in flight."""
+        return self._timer_s + self.rtt.timeout_s if self._sent else math.inf
 
     def _go_back(self, now_s: float) -> None:
         self._sent = 0

@@ -15,7 +15,7 @@ from .wire import (
     MINOR_VERSION,
     SCHEMA_HASH,
     VERSION,
-    check_byte,
+    check_bytes,
     put_halves,
     put_place,
     put_u16,
@@ -24,8 +24,8 @@ from .wire import (
 HELLO_ACK, CHALLENGE, ACK, STATUS, TIMESYNC_REPLY = 129, 130, 144, 145, 162
 RX_WINDOW = 248
 """Two full frames of waypoints, and less than a receive ring of 256 bytes."""
-OF_ROBOT = (0x068A, 0x1D9C)
-"""CRC, inverted, of the byte that is not sent: its lower and upper half."""
+OF_ROBOT = (0xF975, 0xE263)
+"""CRC of the byte that is not sent: its lower and upper half."""
 
 
 class Frames:
@@ -59,10 +59,8 @@ class Frames:
         frame, crc = self.frame, self._crc
         frame[9] = end - 10
         crc[0], crc[1] = OF_ROBOT[0], OF_ROBOT[1]
-        for i in range(2, end):
-            check_byte(crc, 0, frame[i])
-        end = put_u16(frame, end, crc[0] ^ 0xFFFF)
-        end = put_u16(frame, end, crc[1] ^ 0xFFFF)
+        check_bytes(crc, 0, frame, 2, end - 2)
+        end = put_halves(frame, end, crc, 0)
         code = 1
         for i in range(end - 1, 1, -1):
             if frame[i]:

@@ -350,13 +350,28 @@ class Link:
 
     @micropython.native
     def _status_is_due(self, now_us: int) -> bool:
-        waited_us = now_us - self._status_us & TIME
-        return (
-            not self._status_sent
-            or self.robot.alarm
-            or waited_us >= STATUS_INTERVAL_US
-            or (waited_us >= STATUS_SPACING_US and self.robot.news)
-        )
+        return not self._status_sent or self._status_wait_us(now_us) <= 0
+
+    @micropython.native
+    def _status_wait_us(self, now_us: int) -> int:
+        """Time until a report is due, after the first; not positive if one is."""
+        if self.robot.alarm:
+            return 0
+        spacing_us = STATUS_SPACING_US if self.robot.news else STATUS_INTERVAL_US
+        return spacing_us - (now_us - self._status_us & TIME)
+
+    def quiet_us(self) -> int:
+        """Time for which no frame is due if nothing arrives and no cycle is run.
+
+        Not positive if one may be due.
+        """
+        if self._hello_due or self._challenge_due:
+            return 0
+        if self.session == 0:
+            return STATUS_INTERVAL_US
+        if self._nak_due or self._ack_due or self._sync_due or not self._status_sent:
+            return 0
+        return min(self._status_wait_us(self.robot.now_us), self.robot.quiet_us())
 
 
 def estop_match(matched: int, byte: int) -> int:

@@ -319,6 +319,15 @@ class Robot:
         if self.state == HOLD and self._since(self._lease_us) >= DISARM_US + AHEAD_US:
             self._change(DISARM, DISARMED)
 
+    def quiet_us(self) -> int:
+        """Time for which ``tick`` changes no state; not positive if it may."""
+        since_us = self._since(self._lease_us) - AHEAD_US
+        if self.state == HOLD:
+            return DISARM_US - since_us
+        if self.state != RUN:
+            return DISARM_US
+        return min(self._lease_ttl_ms * 1000 - since_us, POSE_STALE_US - self._pose_age_us())
+
     @micropython.native
     def _execute(self, count: int) -> None:
         queue = self.queue

@@ -50,12 +50,13 @@ def check_byte(halves: "array[int]", at: int, byte: int) -> None:
 @micropython.native
 def check_bytes(halves: "array[int]", at: int, data: bytearray, begin: int, count: int) -> None:
     """Continue a finished CRC in ``halves`` by some bytes, and finish it again."""
-    halves[at] ^= 0xFFFF
-    halves[at + 1] ^= 0xFFFF
+    low, high = halves[at] ^ 0xFFFF, halves[at + 1] ^ 0xFFFF
     for i in range(begin, begin + count):
-        check_byte(halves, at, data[i])
-    halves[at] ^= 0xFFFF
-    halves[at + 1] ^= 0xFFFF
+        row = (low ^ data[i]) & 255
+        low = (low >> 8 | (high & 255) << 8) ^ _LOW[row]
+        high = high >> 8 ^ _HIGH[row]
+    halves[at] = low ^ 0xFFFF
+    halves[at + 1] = high ^ 0xFFFF
 
 
 @micropython.native

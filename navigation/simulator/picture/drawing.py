@@ -148,6 +148,8 @@ class RobotPainter:
         self._plane_from_ray = pinhole.plane_from_ray(height_m)
         self._drawn: tuple[object, _Layers | None] = None, None
         """Pose and layers drawn last: most robots of several are at rest."""
+        self._seen: tuple[object, FloatArray] = None, np.empty((0, 2))
+        """Pose and rims seen last."""
         turns = np.linspace(0.0, math.tau, 128, endpoint=False)
         rim = radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
         self._rims = np.concatenate(
@@ -170,8 +172,11 @@ class RobotPainter:
 
     def _rims_seen(self, pose: tuple[float, float, float]) -> FloatArray:
         """Pixels (256, 2) of the lower and the upper rim."""
-        x, y, _ = pose
-        return self._pinhole.image_from_arena(self._rims + np.array([x, y, 0.0]))
+        if self._seen[0] != pose:
+            x, y, _ = pose
+            rims = self._pinhole.image_from_arena(self._rims + np.array([x, y, 0.0]))
+            self._seen = pose, rims
+        return self._seen[1]
 
     def paint(self, picture: Image, pose: tuple[float, float, float]) -> None:
         """Draw the robot at (x, y, heading) into ``picture``, in place."""

@@ -96,6 +96,10 @@ class CRobot:
         size = self._lib.cw_twin_next_frame(self._memory, self._out, ctypes.c_uint32(_us(now_s)))
         return self._out.raw[:size]
 
+    def quiet_s(self) -> float:
+        """0: it is asked in every turn."""
+        return 0.0
+
     @property
     def session(self) -> int | None:
         view = self.view()

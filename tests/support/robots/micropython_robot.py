@@ -110,6 +110,10 @@ class MicroRobot:
     def next_frame(self, now_s: float) -> bytes:
         return self.ask(b"F", now_s)
 
+    def quiet_s(self) -> float:
+        """0: it is asked in every turn."""
+        return 0.0
+
     @property
     def session(self) -> int | None:
         return self.view().session or None
