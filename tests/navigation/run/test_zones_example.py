@@ -11,6 +11,7 @@ import pytest
 from navigation.config import load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
+from navigation.loop.zones_in_force import ZonesInForce
 from navigation.run import run_folder
 from navigation.run.run_folder import write_run
 from navigation.run.run_report import RunReport
@@ -55,7 +56,9 @@ def test_the_picture_draws_no_roadmap_through_the_desk_and_one_through_a_zone_of
     drawn: list[Roadmap] = []
     monkeypatch.setattr(run_folder, "save_picture", lambda *given, **_: drawn.append(given[2]))
     for robots in ((), ("ada",)):
-        daemon.zones.put(daemon.config.zones[0].model_copy(update={"robots": robots}))
+        desk, *others = daemon.config.zones
+        zones = ZonesInForce([desk.model_copy(update={"robots": robots}), *others], ["ada", "bob"])
+        monkeypatch.setattr(daemon, "zones", zones)
         run_folder.write_picture(tmp_path / "track.svg", daemon, report)
     through = []
     for roadmap in drawn:
