@@ -14,6 +14,8 @@ OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], None]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)
 """Two places not far from where the robot starts."""
+AWAY = "ERR_(CONNECTION_(REFUSED|RESET|CLOSED)|SOCKET_NOT_CONNECTED)"
+"""The browser's words for a program that goes away, before its request or in the middle of it."""
 
 
 def drive(program: ShownProgram, page: Page) -> None:

@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 
 from navigation.mission.mission import State
 from tests.browser.acting import click_at, drag, on_screen, wait_for_picture
-from tests.browser.pages import HERE, THERE, Keep, OpenPage
+from tests.browser.pages import AWAY, HERE, THERE, Keep, OpenPage
 from tests.browser.programs.served import ShownProgram, until
 
 
@@ -177,7 +177,7 @@ def test_a_token_opens_the_page_and_leaves_the_address(
     open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
     token = "a-token-of-some-length"
-    refused = r"Authentication|status of 40[13]|response code: 403|REFUSED"
+    refused = rf"Authentication|status of 40[13]|response code: 403|{AWAY}"
     program.bring_back(token=token)
     page = open_page(allowed=refused)
     expect(page.locator("#token-form")).to_be_visible()

@@ -14,7 +14,7 @@ from playwright.sync_api import Page, expect
 
 from navigation.loop.run_state import StageTimes
 from tests.browser.acting import click_at, wait_for_picture
-from tests.browser.pages import HERE, Keep, OpenPage, drive
+from tests.browser.pages import AWAY, HERE, Keep, OpenPage, drive
 from tests.browser.programs.served import ShownProgram, until
 from tests.browser.test_zones import ZONES, have_zones
 
@@ -55,7 +55,7 @@ def test_nothing_is_cut_covered_or_half_empty_and_stop_and_state_keep_their_plac
     size: str, open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
     program.daemon.show(times=TIMES)
-    page = open_page(**SIZES[size], allowed="ERR_CONNECTION_REFUSED")
+    page = open_page(**SIZES[size], allowed=AWAY)
     wait_for_picture(page)
     expect(page.locator("#health-wire .top")).to_have_text("137 ms")
     faults: list[str] = []

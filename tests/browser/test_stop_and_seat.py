@@ -6,7 +6,7 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from tests.browser.acting import click_at, wait_for_picture
-from tests.browser.pages import HERE, Keep, OpenPage, drive
+from tests.browser.pages import AWAY, HERE, Keep, OpenPage, drive
 from tests.browser.programs.served import ShownProgram, until
 from tests.support.waiting import wait_until
 
@@ -53,7 +53,7 @@ def test_stop_is_with_the_program_at_once(open_page: OpenPage, program: ShownPro
 def test_neither_loading_nor_coming_back_fires_the_stop(
     open_page: OpenPage, program: ShownProgram
 ) -> None:
-    page = open_page(allowed="ERR_CONNECTION_REFUSED")  # while the program is away
+    page = open_page(allowed=AWAY)  # while the program is away
     wait_for_picture(page)
     drive(program, page)
     page.reload()
@@ -70,7 +70,7 @@ def test_neither_loading_nor_coming_back_fires_the_stop(
 def test_a_lost_connection_is_unmistakable_and_comes_back(
     open_page: OpenPage, program: ShownProgram, keep: Keep
 ) -> None:
-    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    page = open_page(allowed=AWAY)
     wait_for_picture(page)
     program.take_away()
     expect(page.locator("#lost")).to_be_visible()

@@ -19,7 +19,7 @@ from tests.browser.acting import (
     regain_connection,
     wait_for_picture,
 )
-from tests.browser.pages import HERE, THERE, OpenPage
+from tests.browser.pages import AWAY, HERE, THERE, OpenPage
 from tests.browser.programs.served import ShownProgram, until
 from tests.navigation.dashboard.kept.test_places_by_name import kept_config
 from tests.support.runs.shown import FakeDaemon
@@ -128,7 +128,7 @@ def test_a_name_that_is_being_typed_stays_and_so_does_the_button_of_the_seat(
 def test_a_draft_keeps_its_stations_when_one_more_is_refused(
     open_page: OpenPage, program: ShownProgram
 ) -> None:
-    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    page = open_page(allowed=AWAY)
     wait_for_picture(page)
     click_at(page, *HERE)
     click_at(page, *THERE, shift=True)
@@ -144,7 +144,7 @@ def test_a_draft_keeps_its_stations_when_one_more_is_refused(
 def test_a_draft_is_planned_again_once_a_program_that_has_begun_again_is_taken(
     open_page: OpenPage, program: ShownProgram
 ) -> None:
-    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    page = open_page(allowed=AWAY)
     wait_for_picture(page)
     click_at(page, *THERE)
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
