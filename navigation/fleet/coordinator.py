@@ -185,7 +185,7 @@ class Coordinator:
                     held.executed = executed
         asked = self._asked_ids.items()
         if not any(name in self._open and self._open[name].id == number for name, number in asked):
-            self._asked = None  # nobody waits for it, and a planner that failed does not answer
+            self._asked = None  # no robot asks for it; a failed planner never answers
 
     def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
         answers = {}

@@ -1,4 +1,4 @@
-"""Writer of the file of changed zones: a thread, so that nobody waits for a disk that hangs.
+"""Writer of the file of changed zones, in a thread: a disk that hangs delays no order.
 
 Rules
 - The newest changes win. They are encoded once, in the thread, and written again every ``RETRY_S``

@@ -45,7 +45,9 @@ def compiling(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
             yield process
         finally:
             process.kill()
-    assert wait_until(lambda: not processes_with(cache), ORPHANS_END_WITHIN_S), "an orphan goes on"
+    assert wait_until(lambda: not processes_with(cache), ORPHANS_END_WITHIN_S), (
+        "a compiling process outlives the run"
+    )
 
 
 def processes_with(cache: Path) -> list[int]:

@@ -133,7 +133,7 @@ def test_a_draft_keeps_its_stations_when_one_more_is_refused(
     click_at(page, *HERE)
     click_at(page, *THERE, shift=True)
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
-    program.bring_back()  # it has begun again, and nobody is in control
+    program.bring_back()  # restarted: no viewer is in control
     program.hub.seat.take("somebody-elses-key", "Ada", program.hub.clock())
     expect(page.locator("#seat-text")).to_have_text("Ada is in control")
     click_at(page, 0.60, 1.55, shift=True)

@@ -93,7 +93,7 @@ def test_a_preview_asked_while_a_zone_is_taken_over_leaves_the_next_one_with_the
 
 
 class Searching(FleetPlanner):
-    """A planner whose first search goes on until it `may_end`."""
+    """Planner whose first search ends when `may_end` is set."""
 
     def __init__(self) -> None:
         super().__init__(each_robot(CONFIG))
@@ -160,7 +160,7 @@ def test_while_robots_drive_a_new_scene_is_checked_before_a_search_ends(
 
 
 def test_the_answer_that_the_loop_finds_is_the_newest_request_s() -> None:
-    """One of a withdrawn request came after it, and took its place: nobody got a path."""
+    """The answer to a withdrawn request arrived later and replaced it: no robot got a path."""
     with Searched() as one:
         one.thread.ask(FleetRequest(1, 1, (one.ada,), driving=(one.bob,)))
         assert one.planner.begun.wait(30.0)

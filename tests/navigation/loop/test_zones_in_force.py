@@ -199,7 +199,7 @@ def test_a_run_that_is_over_writes_no_change_that_failed_over_those_of_the_next(
     second = ZonesInForce([], [""])
     second.restore(KeptZones(folder / "zones"), first)
     second.put(DOOR)
-    time.sleep(1.5 * RETRY_S)
+    time.sleep(1.5 * RETRY_S)  # time in which a writer of the first run would try again
     again = ZonesInForce([], [""])
     again.restore(KeptZones(folder / "zones"))
     assert again.sections == (DESK, DOOR)
@@ -236,7 +236,7 @@ def full_disk() -> Iterator[list[bytes]]:
 
 @contextmanager
 def hanging_disk() -> Iterator[threading.Event]:
-    """The event lets the first write go on."""
+    """Disk whose first write hangs until the event is set."""
     goes_on, first = threading.Event(), [True]
 
     def write_whole(path: Path, data: bytes, **_how: bool) -> None:
@@ -324,7 +324,7 @@ def test_more_zones_than_a_file_may_have_are_not_encoded_again(
     monkeypatch.setattr("navigation.journal.zones_writer.RETRY_S", 0.02)
     zones = begun(tmp_path)
     zones.put(DESK)
-    time.sleep(0.3)
+    time.sleep(0.3)  # time for a dozen attempts
     assert "must be at most" in zones.trouble
     assert len(tries) == 1
 

@@ -117,7 +117,7 @@ def test_a_reset_boots_the_robot_once_more_and_forgets_what_waited() -> None:
     robot.stop()
 
 
-@pytest.mark.timed  # says that nobody waits
+@pytest.mark.timed  # measures how soon a thousand turns return
 def test_a_robot_whose_twin_has_ended_stands_and_its_turns_return_at_once() -> None:
     twin, clock = PlainTwin(ends_after=200), Clock()
     robot = robot_of(twin, clock)
