@@ -51,7 +51,10 @@ class ReplayHub(Hub):
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; the reason to refuse, or None."""
+        """``{"do": "play"|"pause"|"seek"|"step"|"speed", "value": N}``; the reason to refuse, or None.
+
+        ``seek`` goes to a place, ``step`` goes that far from the present one; seconds.
+        """
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))
         match message.get("do"):
@@ -61,12 +64,14 @@ class ReplayHub(Hub):
                 player.pause(now_s)
             case "seek" if value is not None:
                 player.seek(now_s, value)
+            case "step" if value is not None:
+                player.seek(now_s, player.place_s(now_s) + value)
             case "speed" if value in SPEEDS:
                 player.set_speed(now_s, value)
-            case "seek" | "speed":
+            case "seek" | "step" | "speed":
                 return f"value {in_short(message.get('value'))}: is no such place or speed"
             case other:
-                return f"do {in_short(other)}: must be play, pause, seek or speed"
+                return f"do {in_short(other)}: must be play, pause, seek, step or speed"
         self.look(now_s)
         self.tell_now()
         return None

@@ -37,12 +37,12 @@ export class Replay {
 
   /** True if a key was for the recording. */
   key(event) {
-    if (!this.#recording || !this.#state) return false;
+    if (!this.#recording) return false;
     const step = event.shiftKey ? FAR_S : STEP_S;
     const name = event.key.toLowerCase();
     if (name === "p") this.#toggle();
-    else if (name === "j") this.#steer("seek", this.#state.place_s - step);
-    else if (name === "l") this.#steer("seek", this.#state.place_s + step);
+    else if (name === "j") this.#steer("step", -step);
+    else if (name === "l") this.#steer("step", step);
     else if (name === "<" || name === ">") this.#shift(name === "<" ? -1 : 1);
     else return false;
     return true;
@@ -86,7 +86,7 @@ export class Replay {
 
   #shift(by) {
     const { speeds } = this.#recording;
-    const value = speeds[speeds.indexOf(this.#state.speed) + by];
+    const value = speeds[speeds.indexOf(this.#state?.speed) + by];
     if (value !== undefined) this.#steer("speed", value);
   }
 

@@ -224,7 +224,13 @@ def test_pages_are_steered_and_begin_again_after_a_jump(site: ReplaySite, tape: 
 
 @pytest.mark.parametrize(
     "message",
-    [{"do": "seek"}, {"do": "seek", "value": "x"}, {"do": "speed", "value": 3.0}, {"do": [1]}],
+    [
+        {"do": "seek"},
+        {"do": "seek", "value": "x"},
+        {"do": "step", "value": None},
+        {"do": "speed", "value": 3.0},
+        {"do": [1]},
+    ],
 )
 def test_steering_that_makes_no_sense_is_refused(
     site: ReplaySite, message: dict[str, object]
@@ -234,6 +240,17 @@ def test_steering_that_makes_no_sense_is_refused(
         answer = page.hear("answer")
         assert answer["ok"] is False
         assert "must be" in answer["error"] or "no such" in answer["error"]
+
+
+def test_steps_add_up_however_fast_they_come(site: ReplaySite) -> None:
+    """The page's own moment is older than the last step, so a step is not a place of the page's."""
+    with site.live() as page:
+        page.join()
+        for step_s in (0.25, 0.5, -0.25):
+            page.send(type="replay", do="step", value=step_s)
+        assert wait_until(lambda: page.hear("state")["replay"]["place_s"] == 0.5)
+        page.send(type="replay", do="step", value=-30.0)
+        assert wait_until(lambda: page.hear("state")["replay"]["place_s"] == 0.0)
 
 
 def test_nothing_can_be_ordered(site: ReplaySite) -> None:
