@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from tests.browser.acting import send_to
 from tests.browser.programs.served import ShownProgram, until
@@ -19,6 +19,7 @@ AWAY = "ERR_(CONNECTION_(REFUSED|RESET|CLOSED)|SOCKET_NOT_CONNECTED)"
 
 
 def drive(program: ShownProgram, page: Page) -> None:
-    """Send the robot off."""
+    """Send the robot off, and wait until the page knows it."""
     send_to(page, *THERE)
     until(program.drives)
+    expect(page.locator("#mission-state")).to_have_text("Driving")
