@@ -91,6 +91,7 @@ class SerialLink:
         )
         self._crash: BaseException | None = None
         self._late_s = 0.0
+        self._due_s = math.inf
         self._measured_s = -math.inf
         self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
         """Ages of the pose fixes when written to the port, seconds, the newest last."""
@@ -235,6 +236,10 @@ class SerialLink:
         late_s, self._late_s = self._late_s, 0.0
         return late_s
 
+    def late_since_s(self) -> float:
+        """Time since which the thread has unfinished work, or will have; infinity while closed."""
+        return self._due_s
+
     def failure(self) -> str | None:
         """Error that ended the thread, in words; None while it runs."""
         return None if self._crash is None else in_words(self._crash)
@@ -263,11 +268,13 @@ class SerialLink:
         except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts it
             self._crash = error
         finally:
+            self._due_s = math.inf
             self._shut("the link was closed")
             self._publish()
 
     def _cycle(self) -> None:
         self.turns += 1
+        self._due_s = min(self._due_s, self._clock())
         self._take_orders()
         now_s = self._clock()
         if self._serial is None:
@@ -319,17 +326,15 @@ class SerialLink:
             self.capture_to_wire_s.append(self._clock() - captured_s)
 
     def _wait(self, now_s: float) -> None:
-        watched: list[int | serial.Serial] = [self._wake_out]
-        timeout_s = self._host.deadline_s(now_s) - now_s
-        if self._serial is not None:
-            watched.append(self._serial)
-        else:
-            timeout_s = max(0.0, self._reopen_s - now_s)
-        writing = [self._serial] if self._serial is not None and self._unsent else []
+        ports = [] if self._serial is None else [self._serial]
+        watched: list[int | serial.Serial] = [self._wake_out, *ports]
+        due_s = self._host.deadline_s(now_s) if ports else self._reopen_s
+        timeout_s = max(0.0, min(due_s - now_s, 0.1))
+        self._due_s = now_s + timeout_s
         if self._orders or self._estop.is_set() or self._stop.is_set():
-            timeout_s = 0.0
+            timeout_s, self._due_s = 0.0, now_s
         try:
-            timeout_s = max(0.0, min(timeout_s, 0.1))
+            writing = ports if self._unsent else []
             ready, writable, _ = select.select(watched, writing, [], timeout_s)
         except PORT_FAULTS as error:
             self._shut(f"the port {self.path} broke: {error}")
@@ -388,6 +393,7 @@ class SerialLink:
         # the lock keeps a late order out of a pipe that close() has closed
         with self._wake_lock, contextlib.suppress(BlockingIOError):
             if self._thread is not None:
+                self._due_s = min(self._due_s, self._clock())
                 os.write(self._wake_in, b"!")
 
 

@@ -20,7 +20,12 @@ from navigation.run.calibrations import floor_plan_of, shown_calibration
 from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, end_all, link_of, start_all
 from navigation.run.devices.wakeups import Wakeups
-from navigation.run.devices.world_clock import WAKEUP_SLACK_S, WallClock, world_clock
+from navigation.run.devices.world_clock import (
+    LINK_SLACK_S,
+    WAKEUP_SLACK_S,
+    WallClock,
+    world_clock,
+)
 from navigation.run.simulated_camera import others_of
 from navigation.run.simulation import Simulation, is_simulated
 from navigation.run.simulation_apart import SimulationApart
@@ -113,9 +118,11 @@ class World:
         if driver is not None:
             return link_of(driver, self.clock)
         baud = self._robots[name].serial.baud
-        return SerialLink(
+        link = SerialLink(
             self.ports[name], baud, clock=self.clock, wait_for_port=self._wait_for_port
         )
+        self.clock.waits_for(f"link {name}", link.late_since_s, LINK_SLACK_S)
+        return link
 
     def search_clock(self) -> float:
         """Seconds that limit a search for plans, without the time for compiling."""

@@ -51,9 +51,10 @@ class ReplayHub(Hub):
         super().look(now_s)
 
     def steer(self, message: Mapping[str, Any]) -> str | None:
-        """``{"do": "play"|"pause"|"seek"|"step"|"speed", "value": N}``; the reason to refuse, or None.
+        """Steer with ``{"do": "play"|"pause"|"seek"|"step"|"speed", "value": N}``.
 
-        ``seek`` goes to a place, ``step`` goes that far from the present one; seconds.
+        ``seek`` goes to a place, ``step`` goes that far from the present one; seconds. Returns the
+        reason to refuse, or None.
         """
         now_s, player = self.clock(), self._player
         value = finite_number(message.get("value"))

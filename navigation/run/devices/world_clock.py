@@ -20,6 +20,8 @@ ROBOT_SLACK_S: Final = 0.02
 """Longest delay of a robot's step, and of hearing what the robot says."""
 CAMERA_SLACK_S: Final = 0.03
 """Longest delay of a picture's exposure, and of its arrival."""
+LINK_SLACK_S: Final = 0.03
+"""Longest delay of the thread that owns a robot's port."""
 WAKEUP_SLACK_S: Final = 0.03
 """Longest delay in waking the measuring thread: too short for a robot to hold."""
 

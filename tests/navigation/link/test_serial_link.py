@@ -147,6 +147,27 @@ def test_a_lease_is_dated_by_the_control_loop_and_not_by_a_thread_that_was_late(
     assert given == [100.0]
 
 
+def test_a_thread_that_is_held_up_is_late_until_it_has_done_its_work() -> None:
+    goes = threading.Event()
+
+    def clock() -> float:
+        if threading.current_thread().name == "serial link":
+            goes.wait()
+        return time.monotonic()
+
+    goes.set()
+    with robot() as there, SerialLink(there.port, clock=clock) as link:
+        assert wait_until(lambda: is_up(link))
+        goes.clear()
+        link.lease(True)
+        ordered_s = time.monotonic()
+        assert wait_until(lambda: time.monotonic() > ordered_s + 0.3)
+        assert link.late_since_s() <= ordered_s
+        goes.set()
+        assert wait_until(lambda: link.late_since_s() > ordered_s + 0.3)
+    assert link.late_since_s() == math.inf
+
+
 def test_a_re_arm_is_known_from_the_order_on_until_the_robot_has_answered() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_until(lambda: is_up(link))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -60,6 +61,27 @@ def test_a_camera_waits_for_the_robot_s_file_and_comes_back_with_it(
         PoseWriter(path).write(0.2, 0.2, 1.5)
         assert wait_until(lambda: frames.status().state == "running")
         assert not frames.has_died()
+
+
+def test_a_simulated_world_waits_for_the_late_thread_of_a_link(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    world = World(load_config(CONFIGS / "simulation.yaml", {}))
+    goes_on = threading.Event()
+    try:
+        with world.make_link("") as link:
+            assert wait_until(lambda: link.turns > 1)
+            monkeypatch.setattr(link, "_publish", goes_on.wait)
+            began_s, wall_s = world.clock(), time.monotonic()
+            passed_s = 0.0
+            while time.monotonic() < wall_s + 0.6:  # below what a hanging thread is given
+                passed_s = world.clock() - began_s
+                time.sleep(0.01)
+            goes_on.set()
+            assert passed_s < 0.3
+            assert wait_until(lambda: world.clock() > began_s + 0.3)
+    finally:
+        world.stop()
 
 
 @pytest.mark.parametrize(
