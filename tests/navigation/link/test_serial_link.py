@@ -26,6 +26,7 @@ from navigation.link.serial_port import PortError, PortNotReadyError, look_for_p
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.twins.clearway import ClearwayTwin
+from tests.support.robots.on_its_way import on_its_way
 from tests.support.waiting import wait_until
 
 
@@ -69,12 +70,8 @@ def is_up(link: SerialLink) -> bool:
 
 
 def driven(link: SerialLink) -> bool:
-    """Whether the mission is done; a robot that a busy machine has let stop is started again."""
-    snapshot = link.snapshot()
-    if snapshot.mission_id is not None and not snapshot.running and not snapshot.mission_done:
-        link.start()
-        wait_until(lambda: link.snapshot().running, 0.1)  # not again before it could begin
-    return snapshot.mission_done
+    """Wait for the mission's end."""
+    return on_its_way(link, lambda: link.snapshot().mission_done, 60.0)
 
 
 LINE = [Waypoint(0.02 * i, 0.0, 0.4) for i in range(30)]
@@ -86,7 +83,7 @@ def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_until(lambda: is_up(link))
         mission = link.upload(7, LINE)
-        assert wait_until(lambda: driven(link), 30.0), link.snapshot()
+        assert driven(link), link.snapshot()
         snapshot = link.snapshot()
         assert (snapshot.mission_id, snapshot.executed) == (7, len(LINE))
         assert control(there).exec_crc == mission.prefix_crc(len(LINE))
@@ -102,15 +99,15 @@ def test_a_mission_is_driven_over_a_bad_line() -> None:
     with robot(faults=faults) as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_until(lambda: is_up(link))
         mission = link.upload(7, LINE)
-        assert wait_until(lambda: driven(link), 30.0), link.snapshot()
+        assert driven(link), link.snapshot()
         assert control(there).exec_crc == mission.prefix_crc(len(LINE))
 
 
 def test_emergency_stop_is_confirmed_and_left_in_a_fresh_session() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_until(lambda: is_up(link))
-        link.upload(7, LINE)
-        assert wait_until(lambda: there.moving)
+        link.upload(7, LONG)
+        assert on_its_way(link, lambda: there.moving, 20.0)
         link.estop()
         assert wait_until(lambda: link.snapshot().estopped, 2.0)
         assert wait_until(lambda: not there.moving, 2.0)
@@ -124,15 +121,14 @@ def test_emergency_stop_is_confirmed_and_left_in_a_fresh_session() -> None:
 def test_the_robot_stops_when_the_control_loop_hangs_although_the_thread_lives() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there) as alive:
         assert wait_until(lambda: is_up(link))
-        link.upload(7, LINE)
-        assert wait_until(lambda: there.moving)
+        link.upload(7, LONG)
+        assert on_its_way(link, lambda: there.moving, 20.0)
         alive.clear()
         assert wait_until(lambda: control(there).state is RobotState.HOLD, 2.0)
         assert is_up(link)
         alive.set()
         assert not wait_until(lambda: control(there).state is RobotState.RUN, 0.5)
-        link.start()
-        assert wait_until(lambda: link.snapshot().mission_done, 20.0)
+        assert driven(link)
 
 
 def test_a_lease_is_dated_by_the_control_loop_and_not_by_a_thread_that_was_late() -> None:
@@ -348,14 +344,14 @@ def test_a_new_process_goes_on_with_the_robots_mission() -> None:
         with SerialLink(there.port) as first, controlled(first, there):
             assert wait_until(lambda: is_up(first))
             first.upload(7, LONG)
-            assert wait_until(lambda: first.snapshot().executed >= 5)
+            assert on_its_way(first, lambda: first.snapshot().executed >= 5, 20.0)
             boot_id = first.snapshot().boot_id
         with SerialLink(there.port, expected_boot_id=boot_id) as second, controlled(second, there):
             second.upload(7, LONG, start=False)
             assert wait_until(lambda: is_up(second))
             assert wait_until(lambda: not there.moving)
             assert 5 <= second.snapshot().executed < len(LONG)
-            assert wait_until(lambda: driven(second), 60.0)
+            assert driven(second)
             assert control(there).exec_crc == Mission(7, LONG).prefix_crc(len(LONG))
 
 

@@ -25,6 +25,7 @@ from navigation.link.serial_port import PortError, open_port
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.twins.kinds import TWINS
 from tests.support.robots.driven_bench import settings_of
+from tests.support.robots.on_its_way import on_its_way
 from tests.support.waiting import wait_until
 
 NAMES = tuple(KNOWN_ROBOTS)
@@ -134,7 +135,7 @@ if __name__ == "__main__":
 def test_a_cable_that_is_pulled_is_said_and_the_mission_kept(name: str) -> None:
     with twin_of(name) as twin, driven(name, twin) as (_driver, link):
         send(link)
-        assert wait_until(lambda: drives(twin), PATIENCE_S)
+        assert on_its_way(link, lambda: drives(twin), PATIENCE_S)
         mission = link.snapshot().mission_id
         twin.unplug()
         title = KNOWN_ROBOTS[name].title
@@ -145,14 +146,13 @@ def test_a_cable_that_is_pulled_is_said_and_the_mission_kept(name: str) -> None:
         assert wait_until(lambda: not twin.moving, PATIENCE_S)
         assert link.snapshot().mission_id == mission
         assert not link.snapshot().running
-        link.start()
-        assert wait_until(lambda: twin.moving, PATIENCE_S)
+        assert on_its_way(link, lambda: twin.moving, PATIENCE_S)
 
 
 def test_a_bumper_is_told_with_the_link() -> None:
     with twin_of("create2") as twin, driven("create2", twin) as (_driver, link):
         send(link)
-        assert wait_until(lambda: drives(twin), PATIENCE_S)
+        assert on_its_way(link, lambda: drives(twin), PATIENCE_S)
         twin.bump()
         assert wait_until(lambda: link.snapshot().estopped, PATIENCE_S)
         assert wait_until(
