@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.support.processes.v4l2_preloaded import NEEDS_GCC, jpegs, run, video_nodes
@@ -67,6 +68,11 @@ def read(node: Path, count: int, *, size: Any = (640, 480), asked: Any = None, *
     return run(READ, [node], node, json.dumps(wish), **more)
 
 
+def ordinary_rate_hz(told: Any) -> float:
+    """Rate of most pictures: a computer that stands still meanwhile makes few of them late."""
+    return float(1.0 / np.median(np.diff([captured_s for captured_s, _ in told["stamps"]])))
+
+
 def test_the_structures_are_the_kernel_s(tmp_path: Path) -> None:
     names = [name for name in vars(structs) if re.fullmatch("[A-Z]+(_[A-Z]+)?", name)]
     header = Path("/usr/include/linux/videodev2.h")
@@ -117,9 +123,9 @@ def test_format_size_rate_and_controls_are_set_in_this_order(node: Path) -> None
 
 def test_automatic_exposure_does_not_halve_the_rate(node: Path) -> None:
     slow = read(node, 20, V4L2_MODES=WEBCAM)
-    assert slow["rate_hz"] == pytest.approx(15.0, rel=0.2), "as the camera is by itself"
+    assert ordinary_rate_hz(slow) == pytest.approx(15.0, rel=0.2), "as the camera is by itself"
     fast = read(node, 20, asked={"controls": {}}, V4L2_MODES=WEBCAM)
-    assert fast["rate_hz"] == pytest.approx(30.0, rel=0.2)
+    assert ordinary_rate_hz(fast) == pytest.approx(30.0, rel=0.2)
 
 
 def test_a_format_that_is_asked_for_is_taken_or_refused(node: Path) -> None:
