@@ -65,7 +65,11 @@ def camera_of(config: Config, knock: SimulatedKnockSection | None = None) -> Sim
     """The simulated camera, where a knock has left it."""
     start = true_start_of(config)
     return make_camera(
-        config, load_arena(config), [(config.robot, lambda: start)], time.monotonic, knock=knock
+        config,
+        load_arena(config),
+        [(config.robot, lambda _at_s: start)],
+        time.monotonic,
+        knock=knock,
     )
 
 

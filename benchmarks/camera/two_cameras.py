@@ -72,7 +72,11 @@ class Filmed:
         arena = load_arena(config)
         place = (0.2, 0.2, 0.0)
         self.camera: SimulatedCamera = make_camera(
-            config, arena, [(config.robot, lambda: place)], clock=lambda: 0.0, wait=lambda _: None
+            config,
+            arena,
+            [(config.robot, lambda _at_s: place)],
+            clock=lambda: 0.0,
+            wait=lambda _: None,
         )
         self.eye, self.name, self.delay_s = eye, name, delay_s
         assert config.simulation is not None

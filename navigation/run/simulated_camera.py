@@ -11,7 +11,7 @@ from navigation.config import Config
 from navigation.config.simulation import SimulatedKnockSection
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.happenings import ScriptedTrack
-from navigation.simulator.picture.camera import Driven, make_camera
+from navigation.simulator.picture.camera import Driven, PoseAt, make_camera
 from navigation.simulator.picture.knocked_camera import Knock, KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 
@@ -31,8 +31,8 @@ def camera_over(
     ``tracks`` belong to robots driven elsewhere.
     """
 
-    def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
-        return lambda: track.pose(clock() - began_s)
+    def follow(track: ScriptedTrack) -> PoseAt:
+        return lambda at_s: track.pose(at_s - began_s)
 
     now_s = clock() - began_s
     past = [arena for from_s, arena in arenas if from_s <= now_s]

@@ -77,7 +77,10 @@ class Simulation:
 
     def pose(self, name: str) -> tuple[float, float, float]:
         """Present pose of a robot, as the simulated camera sees it."""
-        return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name))
+        return self._pose_at(name, self.clock())
+
+    def _pose_at(self, name: str, at_s: float) -> tuple[float, float, float]:
+        return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name), at_s)
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
         """Make a closed camera, always of the same source."""
@@ -85,7 +88,7 @@ class Simulation:
             self._cameras[name],
             self._arenas,
             self._tracks,
-            [(one.robot, partial(self.pose, who)) for who, one in self._configs.items()],
+            [(one.robot, partial(self._pose_at, who)) for who, one in self._configs.items()],
             self.clock,
             self._began_s,
             self.clock.wait,

@@ -131,10 +131,10 @@ class TroubledRobot:
         self.troubles.meet(loop)
         loop.tick()
 
-    def seen(self) -> Place:
-        """Place at which pictures show it."""
+    def seen(self, _now_s: float) -> Place:
+        """Place at which pictures of the present moment show it."""
         return self.troubles.seen_at(self.robot.pose())
 
-    def double(self) -> Place:
+    def double(self, _now_s: float) -> Place:
         """Place of the second marker with its id; `NOWHERE` without one."""
         return self.troubles.double_at or NOWHERE

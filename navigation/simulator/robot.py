@@ -17,6 +17,7 @@ import select
 import struct
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -40,6 +41,8 @@ from navigation.simulator.virtual_loop import PacedLine
 
 TRACK_EVERY: Final = 10
 """Steps to a row of the track: 20 ms."""
+POSES_KEPT: Final = 250
+"""Steps of 2 ms whose poses are known: a camera's thread may be late by half a second."""
 READ_BYTES: Final = 4096
 RING_BYTES: Final = 256
 """Receive buffer of a small processor."""
@@ -95,6 +98,7 @@ class SimulatedRobot:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._track = Track()
+        self._poses: deque[tuple[float, TruePose]] = deque(maxlen=POSES_KEPT)
         self._serial: serial.Serial | None = None
         self._fd = self._slave = -1
         try:
@@ -149,8 +153,20 @@ class SimulatedRobot:
 
     def pose(self) -> TruePose:
         """Present true pose; waits for a robot whose thread is behind."""
-        self._time.wait_for(self._clock())
-        return self._drive.pose
+        return self.pose_at(self._clock())
+
+    def pose_at(self, at_s: float) -> TruePose:
+        """True pose at a moment of the clock, at most ``POSES_KEPT`` steps ago.
+
+        A camera's thread that gets no processor between the exposure and its look at the robot
+        must not see a later place. Waits for a robot whose thread is behind.
+        """
+        self._time.wait_for(at_s)
+        with self.held:
+            for time_s, pose in reversed(self._poses):
+                if time_s <= at_s:
+                    return pose
+            return self._poses[0][1] if self._poses else self._drive.pose
 
     @property
     def moving(self) -> bool:
@@ -298,6 +314,7 @@ class SimulatedRobot:
         if not self._is_frozen(now_s):
             self._wheels = self.twin.step(now_s, *self._ticks())
         self._drive.step(STEP_S, self._wheels)
+        self._poses.append((now_s, self._drive.pose))
         self._steps += 1
         if self._steps % TRACK_EVERY == 0:
             self._track.add(now_s, *self._drive.pose)

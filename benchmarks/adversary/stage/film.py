@@ -154,7 +154,7 @@ def _camera_of(config: Config, pinhole: Pinhole, arena: SimulatedArena) -> Simul
     bodies = [
         SimulatedBody(
             robot.marker_id, robot.marker_size_m, robot.marker_height_m, robot.radius_m,
-            robot.dictionary, turn_rad, lambda: AWAY,
+            robot.dictionary, turn_rad, lambda _at_s: AWAY,
         )
         for turn_rad in (0.0, 0.0, math.pi)
     ]  # fmt: skip

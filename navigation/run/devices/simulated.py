@@ -62,11 +62,14 @@ def shared_pose(config: Config) -> PoseReader | None:
 
 
 def pose_of(
-    config: Config, robot: SimulatedRobot | None, shared: PoseReader | None
+    config: Config, robot: SimulatedRobot | None, shared: PoseReader | None, at_s: float
 ) -> tuple[float, float, float]:
-    """Pose of the robot, as the simulated camera sees it; its start if unknown."""
+    """Pose of the robot, as the simulated camera sees it; its start if unknown.
+
+    ``at_s`` is the moment of the clock: another process's robot has only its present pose.
+    """
     if robot is not None:
-        return robot.pose()
+        return robot.pose_at(at_s)
     if shared is not None:
         try:
             return shared.read()

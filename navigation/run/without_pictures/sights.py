@@ -20,7 +20,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.simulator.arena import SimulatedArena
-from navigation.simulator.picture.camera import NOISY_PX, Driven, SimulatedBody, bodies_of
+from navigation.simulator.picture.camera import NOISY_PX, Driven, PoseAt, SimulatedBody, bodies_of
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from navigation.simulator.picture.timed_camera import TimedCamera
 from planner.scene import FloatArray, Scene
@@ -128,8 +128,8 @@ class SightCamera(TimedCamera[Scene]):
             self._scenes.pop(0)
         return self._scenes[0][1]
 
-    def _expose(self, prepared: Scene) -> Image:
-        poses = np.array([body.pose_now() for body in self._bodies]).reshape(-1, 3)
+    def _expose(self, prepared: Scene, captured_s: float) -> Image:
+        poses = np.array([body.pose_at(captured_s) for body in self._bodies]).reshape(-1, 3)
         floor = self._marker_corners(poses)
         markers = self._seen(floor, poses)
         bodies = poses.copy()
@@ -174,7 +174,7 @@ def make_sight_camera(
     driven: Driven,
     clock: Callable[[], float],
     wait: Callable[[float], None],
-    others: Sequence[Callable[[], tuple[float, float, float]] | None] = (),
+    others: Sequence[PoseAt | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
     _knock: None = None,
 ) -> SightCamera:

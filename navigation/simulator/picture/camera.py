@@ -34,7 +34,8 @@ from vision.markers.marker_search import dictionary_by_name
 
 TruePose: TypeAlias = tuple[float, float, float]
 """x, y in metres and the heading in radians."""
-PoseNow: TypeAlias = Callable[[], TruePose]
+PoseAt: TypeAlias = Callable[[float], TruePose]
+"""Pose at a moment of the clock, seconds, not long ago."""
 
 NOISE_MARGIN_PX = 128
 """The noise bank is this much larger than a picture, so that windows of it differ."""
@@ -59,7 +60,7 @@ class SimulatedBody:
     radius_m: float
     dictionary: str
     marker_turn_rad: float
-    pose_now: PoseNow
+    pose_at: PoseAt
     lies: bool = False
 
 
@@ -87,7 +88,7 @@ class SimulatedCamera(TimedCamera["_Floor"]):
             for body in bodies
         ]  # fmt: skip
         both = list(zip(painters, bodies, strict=True))
-        self._lying = [(painter, body.pose_now()) for painter, body in both if body.lies]
+        self._lying = [(painter, body.pose_at(0.0)) for painter, body in both if body.lies]
         self._robot_painters = [painter for painter, body in both if not body.lies]
         self._bodies = tuple(body for body in bodies if not body.lies)
         self._look = look
@@ -103,8 +104,8 @@ class SimulatedCamera(TimedCamera["_Floor"]):
     def _prepare(self) -> _Floor:
         return self._floor(self._rng)
 
-    def _expose(self, prepared: _Floor) -> Image:
-        return self._with_robots(prepared, [body.pose_now() for body in self._bodies])
+    def _expose(self, prepared: _Floor, captured_s: float) -> Image:
+        return self._with_robots(prepared, [body.pose_at(captured_s) for body in self._bodies])
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene from the next frame; any thread may call."""
@@ -199,13 +200,13 @@ def _marker_picture(body: SimulatedBody) -> Image:
     return np.asarray(cv2.aruco.generateImageMarker(dictionary, body.marker_id, cells))
 
 
-def _lying_at(marker: FloorMarkerSection) -> PoseNow:
+def _lying_at(marker: FloorMarkerSection) -> PoseAt:
     x, y = marker.place_m or (0.0, 0.0)
     pose = (x, y, float(np.deg2rad(marker.heading_deg or 0.0)))
-    return lambda: pose
+    return lambda _at_s: pose
 
 
-Driven: TypeAlias = Sequence[tuple[RobotSection, PoseNow]]
+Driven: TypeAlias = Sequence[tuple[RobotSection, PoseAt]]
 """The driven robots, and their poses."""
 
 
@@ -215,7 +216,7 @@ def make_camera(
     driven: Driven,
     clock: Clock,
     wait: Wait = time.sleep,
-    others: Sequence[PoseNow | None] = (),
+    others: Sequence[PoseAt | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
     knock: SimulatedKnockSection | None = None,
 ) -> SimulatedCamera:
@@ -241,14 +242,14 @@ def make_camera(
 
 
 def bodies_of(
-    config: Config, driven: Driven, others: Sequence[PoseNow | None] = ()
+    config: Config, driven: Driven, others: Sequence[PoseAt | None] = ()
 ) -> list[SimulatedBody]:
     """All bodies in the arena with a marker; arguments as for `make_camera`.
 
     Raises ``ValueError`` for another number of other robots than configured.
     """
     robot = config.robot
-    seen: list[tuple[MarkerSection, PoseNow, float]] = [
+    seen: list[tuple[MarkerSection, PoseAt, float]] = [
         (one, pose, float(np.deg2rad(one.marker_turn_deg))) for one, pose in driven
     ]
     seen += [

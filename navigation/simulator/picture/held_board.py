@@ -79,8 +79,8 @@ class HeldBoardCamera(TimedCamera[None]):
     def _prepare(self) -> None:
         """Nothing: the person moves the board until the exposure."""
 
-    def _expose(self, prepared: None) -> Image:
-        picture = self._picture(self.late_since_s - self._began_s)
+    def _expose(self, prepared: None, captured_s: float) -> Image:
+        picture = self._picture(captured_s - self._began_s)
         noise = self._rng.standard_normal(picture.shape, dtype=np.float32)
         return np.clip(np.rint(picture + self._noise_grey * noise), 0, 255).astype(np.uint8)
 

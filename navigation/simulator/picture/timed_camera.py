@@ -78,7 +78,7 @@ class TimedCamera(ABC, Generic[_Prepared]):
         self.late_since_s = captured_s = self._clock()
         late = max(0, int((captured_s - self._next_s) / self._period_s))
         self._next_s += (late + 1) * self._period_s
-        image = self._expose(prepared)
+        image = self._expose(prepared, captured_s)
         if self._latency_s > 0.0:
             self._wait(max(0.0, captured_s + self._latency_s - self._clock()))
         self._meter.add(captured_s)
@@ -90,5 +90,5 @@ class TimedCamera(ABC, Generic[_Prepared]):
         """Do the work possible before the exposure at ``_next_s``."""
 
     @abstractmethod
-    def _expose(self, prepared: _Prepared) -> Image:
-        """Return the picture of this moment."""
+    def _expose(self, prepared: _Prepared, captured_s: float) -> Image:
+        """Return the picture of the moment ``captured_s``, which may have passed."""

@@ -29,4 +29,6 @@ def pinhole(config: Config) -> Pinhole:
 @pytest.fixture(scope="module")
 def still(config: Config, arena: SimulatedArena) -> SimulatedCamera:
     clock = Clock()
-    return make_camera(config, arena, [(config.robot, lambda: (0.2, 0.2, 0.0))], clock, clock.wait)
+    return make_camera(
+        config, arena, [(config.robot, lambda _at_s: (0.2, 0.2, 0.0))], clock, clock.wait
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def test_pictures_may_repeat_where_their_noise_changes_hardly_a_pixel(
     clock = Clock()
     changed = config.model_copy(update={"simulation": noisy})
     camera = make_camera(
-        changed, arena, [(changed.robot, lambda: (0.2, 0.2, 0.0))], clock, clock.wait
+        changed, arena, [(changed.robot, lambda _at_s: (0.2, 0.2, 0.0))], clock, clock.wait
     )
     assert camera.may_repeat == repeats
     frames = LatestFrame(lambda: camera, clock)
@@ -85,7 +86,7 @@ def test_the_same_seed_gives_the_same_pictures(config: Config, arena: SimulatedA
     def pictures() -> list[Image]:
         clock = Clock()
         camera = make_camera(
-            config, arena, [(config.robot, lambda: (0.3, 0.3, 0.1))], clock, clock.wait
+            config, arena, [(config.robot, lambda _at_s: (0.3, 0.3, 0.1))], clock, clock.wait
         )
         camera.open()
         frames = [camera.read(1.0) for _ in range(3)]
@@ -110,7 +111,7 @@ def _camera(
     return make_camera(
         changed,
         arena,
-        [(changed.robot, lambda: (clock.now_s - 100.0, 0.5, 0.0))],
+        [(changed.robot, lambda _at_s: (clock.now_s - 100.0, 0.5, 0.0))],
         clock,
         clock.wait,
     )
@@ -126,6 +127,28 @@ def test_frames_come_at_the_rate_and_are_numbered(config: Config, arena: Simulat
     assert np.diff(times) == pytest.approx(1 / 30, abs=1e-9)
     assert [frame.sequence for frame in frames if frame is not None] == list(range(31))
     assert camera.rate_hz == pytest.approx(30.0)
+
+
+def test_a_picture_shows_robots_at_its_exposure_however_late_its_thread_draws_it(
+    config: Config, arena: SimulatedArena, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock, asked = Clock(), list[float]()
+
+    def pose_at(at_s: float) -> tuple[float, float, float]:
+        asked.append(at_s)
+        return (0.5, 0.5, 0.0)
+
+    camera = make_camera(config, arena, [(config.robot, pose_at)], clock, clock.wait)
+    expose = camera._expose
+
+    def late(prepared: Any, captured_s: float) -> Image:
+        clock.now_s += 0.04
+        return expose(prepared, captured_s)
+
+    monkeypatch.setattr(camera, "_expose", late)
+    camera.open()
+    frames = [camera.read(1.0) for _ in range(3)]
+    assert asked == [frame.captured_s for frame in frames if frame is not None]
 
 
 def test_a_read_that_is_too_short_gives_none_and_waits_no_longer(
@@ -224,10 +247,10 @@ def test_other_robots_are_drawn_where_they_are(config: Config, arena: SimulatedA
     camera = make_camera(
         two,
         arena,
-        [(two.robot, lambda: (0.25, 0.25, 0.0))],
+        [(two.robot, lambda _at_s: (0.25, 0.25, 0.0))],
         clock,
         clock.wait,
-        [lambda: (1.4, 1.0, 1.0)],
+        [lambda _at_s: (1.4, 1.0, 1.0)],
     )
     camera.open()
     frame = camera.read(1.0)
@@ -254,7 +277,7 @@ def test_who_is_nearer_to_the_lens_covers_the_other_whatever_their_order(
     outer = (inner[0] - 0.8 * reach_m, inner[1] - 0.6 * reach_m, 0.0)
     poses = (outer, inner) if outer_first else (inner, outer)
     camera = make_camera(
-        two, arena, [(two.robot, lambda: poses[0])], Clock(), others=[lambda: poses[1]]
+        two, arena, [(two.robot, lambda _at_s: poses[0])], Clock(), others=[lambda _at_s: poses[1]]
     )
     away = (x_m + 0.5, y_m + 0.4, 0.0)
     alone = camera.render([away, inner] if outer_first else [inner, away], None)
@@ -272,7 +295,7 @@ def test_every_other_robot_needs_its_place(config: Config, arena: SimulatedArena
         make_camera(
             config,
             arena,
-            [(config.robot, lambda: (0.2, 0.2, 0.0))],
+            [(config.robot, lambda _at_s: (0.2, 0.2, 0.0))],
             Clock(),
-            others=[lambda: (1.0, 1.0, 0.0)],
+            others=[lambda _at_s: (1.0, 1.0, 0.0)],
         )

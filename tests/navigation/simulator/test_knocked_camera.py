@@ -28,7 +28,7 @@ def knocked(config: Config, *knocks: dict[str, object]) -> Config:
 
 def over(config: Config, arena: SimulatedArena, clock: Clock) -> Camera:
     return camera_over(
-        config, [(0.0, arena)], {}, [(config.robot, lambda: POSE)], clock, clock(), clock.wait
+        config, [(0.0, arena)], {}, [(config.robot, lambda _at_s: POSE)], clock, clock(), clock.wait
     )
 
 

@@ -188,6 +188,27 @@ def test_a_paced_line_says_when_its_next_bytes_arrive() -> None:
     assert line.arrives_s == math.inf
 
 
+def test_a_late_look_at_a_robot_sees_it_where_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = [1000.0]
+    robot = SimulatedRobot(rng=np.random.default_rng(1), clock=lambda: now_s[0])
+    forward = lambda *_: WheelSpeeds(0.2, 0.2, powered=True)  # noqa: E731
+    monkeypatch.setattr(robot.twin, "step", forward)
+    at_s = {}
+    try:
+        robot.switched_on()
+        for _ in range(500):
+            now_s[0] += 0.002
+            robot.turn()
+            at_s[now_s[0]] = robot.pose()
+        for time_s in (1000.8, 1000.9, now_s[0]):
+            near_s = min(at_s, key=lambda one: abs(one - time_s))
+            assert robot.pose_at(near_s) == at_s[near_s]
+        assert robot.pose_at(1000.9).x_m == pytest.approx(robot.pose().x_m - 0.02, abs=0.002)
+        assert robot.pose_at(1000.1) == at_s[min(at_s, key=lambda one: abs(one - 1000.502))]
+    finally:
+        robot.stop()
+
+
 def test_a_robot_sits_on_an_existing_port() -> None:
     """The other way round: the host makes the line, the robot opens it."""
     a, b = os.openpty()

@@ -55,7 +55,7 @@ class RecordedBench:
         calibration = shown_calibration(config, None)
         self.arena = load_arena(config)
         self.start = true_start_of(config)
-        driven = [(config.robot, lambda: self.start)]
+        driven = [(config.robot, lambda _at_s: self.start)]
         self.camera = make_camera(config, self.arena, driven, self.clock, self.wait)
         tracker = MarkerTracker(calibration, marked_robots(config), config.robot.dictionary)
         self.eye = Eye(calibration, tracker, eye_settings(config))

@@ -29,7 +29,7 @@ class Arena:
         self.camera: SimulatedCamera = make_camera(
             CONFIG,
             TRUTH,
-            [(CONFIG.robot, lambda: self.pose)],
+            [(CONFIG.robot, lambda _at_s: self.pose)],
             clock=lambda: 0.0,
             wait=lambda _s: None,
         )

@@ -47,7 +47,7 @@ class Stage:
         self.eye = joined_eye(CONFIG, PLAN)
         self.cameras = {
             name: make_camera(
-                one, ARENA, [(one.robot, lambda: self.pose)], lambda: 0.0, lambda _: None
+                one, ARENA, [(one.robot, lambda _at_s: self.pose)], lambda: 0.0, lambda _: None
             )
             for name, one in each_camera(CONFIG).items()
         }
