@@ -34,7 +34,7 @@ ALARM = re.compile(r"runs away|does not come|was carried|stands still|did not re
 
 
 def drive(name: str, folder: Path) -> tuple[dict[str, Any], list[str], float]:
-    """The report of one run of a configuration, its false alarms, and the wall's seconds it took."""
+    """Report of one run of a configuration, its false alarms, and the wall's seconds it took."""
     report = folder / "report.json"
     began_s = time.monotonic()
     said = subprocess.run(
