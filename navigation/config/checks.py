@@ -326,6 +326,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot", "planning"), _plans_stay_small),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),
+    (("robots", "recording"), fleet_checks.journals_differ),
     (("robots", "robot"), fleet_checks.markers_are_of_one_family),
     (("robots", "mission", "simulation"), fleet_checks.names_are_known),
     (("robots", "serial", "simulation"), fleet_checks.every_robot_has_a_start),

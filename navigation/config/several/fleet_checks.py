@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import Any
 
 from navigation.config.marks import Location
+from navigation.config.recording import ZONES_FILE
 from navigation.config.sections import MissionSection
 from navigation.config.several.each_robot import named_places
 from navigation.config.values import SIMULATED, Place, with_own
@@ -37,6 +38,16 @@ def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) 
             yield where, f"'{port}' is the port of {ports[port]} already: each needs its own"
         if port != SIMULATED:
             ports.setdefault(port, f"robots[{index}] ({entry.name})")
+
+
+def journals_differ(robots: Any, recording: Any) -> _Found:
+    """Each of several robots has a journal that ends with its name, beside the zones' file."""
+    if recording.journal is None or len(robots) < 2:
+        return
+    for index, entry in enumerate(robots):
+        if entry.name == ZONES_FILE:
+            file = f"{recording.journal.name}.{ZONES_FILE}"
+            yield ("robots", index, "name"), f"'{entry.name}': {file} keeps the changes of zones"
 
 
 def markers_are_of_one_family(robots: Any, robot: Any) -> _Found:

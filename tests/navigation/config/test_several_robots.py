@@ -86,6 +86,11 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             "'ada' is the name of robots[0] already",
         ),
         (
+            ("bob", "zones"),
+            "robots[1].name",
+            "'zones': journal.zones keeps the changes of zones",
+        ),
+        (
             ("marker_id: 2", "marker_id: 1"),
             "robots[1].marker_id",
             "1 is robots[0] (ada)'s already",
