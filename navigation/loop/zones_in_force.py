@@ -72,8 +72,9 @@ class ZonesInForce:
         """Take over changes of an earlier run, and keep further ones; return what to say.
 
         ``before`` are the zones of the run before in the same program: its changes hold whatever
-        its file has, and beside those of another file. ``KeptZonesError`` if the file's are lost:
-        then no change is kept before `keep_in`.
+        its file has, and beside those of another file. All hold, even if the configuration has
+        since got so many zones that together they are twice as many as can be added.
+        ``KeptZonesError`` if the file's are lost: then no change is kept before `keep_in`.
         """
         lost, in_file = None, dict[str, ZoneChange]()
         try:
@@ -91,6 +92,9 @@ class ZonesInForce:
             self._sections = sections
             self.revision += 1
             self.changed()
+            too_many = _too_many(sections)
+            if too_many is not None:
+                said.append(f"{too_many}: all hold, and none is added before some are removed")
         if lost is not None:
             raise lost
         if kept is not None:
@@ -114,11 +118,9 @@ class ZonesInForce:
             raise MissionError(f"zone '{zone.name}': robot '{unknown[0]}': there is {there}")
         with self._lock:
             others = tuple(one for one in self._sections if one.name != zone.name)
-            if len(others) >= MOST_ZONES:
-                raise MissionError(f"zone '{zone.name}': there are {MOST_ZONES} zones already")
-            too_many = too_many_places((*others, zone))
+            too_many = _too_many((*others, zone))
             if too_many is not None:
-                raise MissionError(f"zone '{zone.name}': with it zones have {too_many}")
+                raise MissionError(f"zone '{zone.name}': with it there are {too_many}")
             self._set((*others, zone))
         self._tell()
 
@@ -162,3 +164,10 @@ class ZonesInForce:
         self._before = [*self._before[1 - MOST_UNDONE :], self._sections]
         self._sections = sections
         self.revision += 1
+
+
+def _too_many(zones: Sequence[ZoneSection]) -> str | None:
+    """Sentence on too many zones, or places of them together; None if they are few enough."""
+    if len(zones) > MOST_ZONES:
+        return f"{len(zones)} zones: must be at most {MOST_ZONES}"
+    return too_many_places(zones)
