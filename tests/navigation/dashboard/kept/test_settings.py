@@ -19,6 +19,7 @@ from navigation.dashboard.settings import desk
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.dashboard.visits import RefusedError
 from navigation.mission.mission import State
+from navigation.shared.outside import REPLACEMENT
 from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
 from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
 
@@ -116,6 +117,7 @@ def test_what_the_page_may_not_change_is_refused(office: Office, key: str) -> No
         ("camera.rate_hz", "fast", "must be a number"),
         ("camera.rate_hz", "-3", "> 0"),
         ("planning.margin", "lax", "must be one of relaxed, strict, not lax"),
+        ("planning.margin", "lax\nlax", f"strict, not lax{REPLACEMENT}lax"),
         ("camera.source", "/etc/passwd", "must be one of simulated, /dev/v4l/by-id/usb-a"),
         ("serial.port", "socket://example.org:80", "must be one of simulated"),
         ("arena.bounds_m", "0, 0, 2.4", "arena.bounds_m[3]: is missing"),
