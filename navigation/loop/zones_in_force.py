@@ -134,9 +134,11 @@ class ZonesInForce:
             self._set(others)
         self._tell()
 
-    def undo(self) -> None:
-        """Take the last change back; ``MissionError``."""
+    def undo(self, seen: int | None = None) -> None:
+        """Take the last change back; ``MissionError``, if it is not that of revision ``seen``."""
         with self._lock:
+            if seen is not None and seen != self.revision:
+                raise MissionError("zones were changed by someone else since: look at them first")
             if not self._before:
                 raise MissionError("no change of zones to take back")
             *before, last = self._before
