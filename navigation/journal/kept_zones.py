@@ -131,17 +131,19 @@ class KeptZones:
             raise KeptZonesError(f"{self.path}: {printable(str(error), 300)}") from None
 
     def put_aside(self) -> str:
-        """Rename the file; return what became of it."""
+        """Rename the file; return what became of it. ``KeptZonesError`` if it stays in place."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
             if not aside.exists():
                 break
         else:
-            return f"{self.path}: cannot be put aside: {MOST_ASIDE} files are kept already"
+            most = f"{MOST_ASIDE} files are kept already"
+            raise KeptZonesError(f"{self.path}: cannot be put aside: {most}")
         try:
             self.path.rename(aside)
         except OSError as error:
-            return f"{self.path}: cannot be put aside: {error.strerror or error}"
+            why = error.strerror or error
+            raise KeptZonesError(f"{self.path}: cannot be put aside: {why}") from None
         return f"{self.path}: kept as {aside.name}"
 
     def encoded(self, changes: Sequence[ZoneChange]) -> bytes:

@@ -20,7 +20,7 @@ from navigation.journal.kept_zones import (
     changes_between,
     with_changes,
 )
-from navigation.journal.zones_writer import ZonesWriter
+from navigation.journal.zones_writer import UNKNOWN, ZonesWriter
 from navigation.mission.mission import MissionError
 from planner.zones.zone import Zone
 
@@ -39,6 +39,8 @@ class ZonesInForce:
         self._lock = threading.Lock()
         self._sections = self._configured = tuple(zones)
         self._writer: ZonesWriter | None = None
+        self._lost = ""
+        """Trouble of changes while a damaged file is where theirs would be."""
         self._ended = False
         self._before: list[tuple[ZoneSection, ...]] = []
         self.revision = 0
@@ -62,7 +64,7 @@ class ZonesInForce:
     @property
     def trouble(self) -> str:
         """Reason why a restart would not know of the changes, although a file keeps them."""
-        return "" if self._writer is None else self._writer.trouble
+        return self._lost if self._writer is None else self._writer.trouble
 
     def changes(self) -> tuple[ZoneChange, ...]:
         """Return what differs from the configuration."""
@@ -96,6 +98,7 @@ class ZonesInForce:
             if too_many is not None:
                 said.append(f"{too_many}: all hold, and none is added before some are removed")
         if lost is not None:
+            self._lost = f"{UNKNOWN}: {lost}"
             raise lost
         if kept is not None:
             self._writer = writer or ZonesWriter(kept)
