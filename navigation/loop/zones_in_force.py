@@ -74,8 +74,8 @@ class ZonesInForce:
         """Take over changes of an earlier run, and keep further ones; return what to say.
 
         ``before`` are the zones of the run before in the same program: its changes hold whatever
-        its file has, and beside those of another file. All hold, even if the configuration has
-        since got so many zones that together they are twice as many as can be added.
+        its file has, and beside those of another file. All hold, even where the configuration has
+        got others since, and together they are twice as many as can be added.
         ``KeptZonesError`` if the file's are lost: then no change is kept before `keep_in`.
         """
         lost, in_file = None, dict[str, ZoneChange]()

@@ -20,6 +20,7 @@ from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import ZonesChanged
 from navigation.recording.files import RecordingError
+from navigation.recording.live_bodies import MOST_M, MOST_S, bounded
 from navigation.recording.messages import Messages
 from navigation.recording.zone_bodies import zones_of
 from planner.formats.scene_text import read_scene_text
@@ -166,15 +167,19 @@ def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
 
 def _frame(body: dict[str, Any]) -> SeenFrame:
     poses = {
-        int(pose["id"]): (float(pose["x_m"]), float(pose["y_m"]), float(pose["heading_rad"]))
+        int(pose["id"]): (
+            bounded(pose["x_m"], MOST_M),
+            bounded(pose["y_m"], MOST_M),
+            bounded(pose["heading_rad"], MOST_M),
+        )
         for pose in body["poses"]
     }
-    return SeenFrame(float(body["captured_s"]), poses)
+    return SeenFrame(bounded(body["captured_s"], MOST_S), poses)
 
 
 def _scene(body: dict[str, Any]) -> SeenScene:
     return SeenScene(
-        float(body["captured_s"]),
+        bounded(body["captured_s"], MOST_S),
         int(body["revision"]),
         bool(body["carried"]),
         read_scene_text(body["scene"], "recorded scene"),

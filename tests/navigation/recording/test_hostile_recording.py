@@ -5,22 +5,27 @@ They are written here by hand, from the MCAP, zstd and LZ4 specifications.
 
 from __future__ import annotations
 
+import json
 import resource
 import struct
 import subprocess
 import sys
 import zlib
+from io import BytesIO
 from pathlib import Path
 
 import lz4.frame
 import pytest
 import zstandard
+from mcap.reader import make_reader
 
 from navigation.recording.files import RecordingError
+from navigation.recording.json_bodies import PLANS, REQUESTS
 from navigation.recording.reader import bytes_field, decoded_picture, read_recording
 from navigation.recording.tape import read_tape
 from tests.support.files.png_pictures import chunk as png_chunk
 from tests.support.pictures import call
+from tests.support.runs.recordings import small_recording
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, UNKNOWN = 1, 2, 4, 5, 6, 9, 0x7F
@@ -231,6 +236,14 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
     assert len(str(refused.value).splitlines()) == 1
 
 
+def chunks_of(data: bytes) -> bytes:
+    """A recording up to the end of its last chunk."""
+    at = len(MAGIC)
+    while data[at] in (HEADER, CHUNK):
+        at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
+    return data[:at]
+
+
 @pytest.mark.parametrize(
     ("topic", "body"),
     [
@@ -242,7 +255,20 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
         (b"/clearway/scenes", b'{"captured_s": 0, "revision": 1e999, "carried": 0, "scene": ""}'),
         (b"/clearway/fleet/waits", b"[]"),
         (b"/clearway/fleet/waits", b'{"waits": 1}'),
+        (b"/clearway/fleet/waits", b'{"waits": 1, "waits_for": {}}'),
+        (b"/clearway/fleet/waits", b'{"waits": {"a": []}, "waits_for": {}}'),
         (b"/clearway/link", b"{"),
+        (b"/clearway/link/a", b"[]"),
+        (b"/clearway/link", b'{"executed": []}'),
+        (b"/clearway/link", b'{"state": []}'),
+        (b"/clearway/link", b'{"rtt_s": "1"}'),
+        (b"/clearway/link", b'{"rtt_s": 1e308}'),
+        (b"/clearway/link", b'{"sent": {"frames_sent": "x"}}'),
+        (b"/clearway/frames", b'{"captured_s": 1e308, "poses": []}'),
+        (
+            b"/clearway/frames",
+            b'{"captured_s": 1, "poses": [{"id": 1, "x_m": 1e308, "y_m": 0, "heading_rad": 0}]}',
+        ),
         (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": 7}'),
         (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": [{"name": "a"}]}'),
         (
@@ -255,11 +281,30 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
 def test_a_damaged_message_later_in_a_recording_is_said_in_one_sentence(
     jpeg: Path, tmp_path: Path, topic: bytes, body: bytes
 ) -> None:
-    data, at = jpeg.read_bytes(), len(MAGIC)
-    while data[at] in (HEADER, CHUNK):
-        at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
     file = tmp_path / "body.mcap"
-    file.write_bytes(data[:at] + channel(topic, 999) + message(body, 999))
+    file.write_bytes(chunks_of(jpeg.read_bytes()) + channel(topic, 999) + message(body, 999))
+    with pytest.raises(RecordingError, match="cannot be read") as refused:
+        read_tape(file)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "path", [7, [[0.0, 1.0, 2.0]], [["a", "b"]], [[1e308, 0.0], [0.0, 0.0]], None]
+)
+def test_a_plan_whose_path_cannot_be_shown_is_said_in_one_sentence(
+    tmp_path: Path, path: object
+) -> None:
+    """The page showed nothing of the run while that plan held."""
+    data = small_recording()
+    found = {c.topic: m.data for _, c, m in make_reader(BytesIO(data)).iter_messages()}
+    asked, told = json.loads(found[REQUESTS]), json.loads(found[PLANS])
+    asked["request"]["id"] = told["id"] = 999
+    told["path"] = path
+    said = b""
+    for number, (topic, body) in enumerate(((REQUESTS, asked), (PLANS, told)), 900):
+        said += channel(topic.encode(), number) + message(json.dumps(body).encode(), number)
+    file = tmp_path / "plan.mcap"
+    file.write_bytes(chunks_of(data) + said)
     with pytest.raises(RecordingError, match="cannot be read") as refused:
         read_tape(file)
     assert len(str(refused.value).splitlines()) == 1
