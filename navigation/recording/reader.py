@@ -16,6 +16,9 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
+from navigation.config.checks import bounds_have_an_inside
+from navigation.config.errors import key_name
+from navigation.config.several.fleet_checks import names_markers_and_ports_differ
 from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import ZonesChanged
@@ -156,9 +159,16 @@ def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
 def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
     if topic != bodies.CONFIGURATION or body.get("schema") != bodies.SCHEMA:
         raise ValueError(f"must begin with a configuration of schema {bodies.SCHEMA}")
+    config = Config.model_validate(body["config"])
+    # of all checks those that a replay relies on: another version's recording may break others
+    for where, sentence in (
+        *bounds_have_an_inside(config.arena),
+        *names_markers_and_ports_differ(config.robots, config.serial, config.other_robots),
+    ):
+        raise ValueError(f"{key_name(where)}: {sentence}")
     return Recording(
         path,
-        Config.model_validate(body["config"]),
+        config,
         parse_calibration(body["calibration"], f"{path}: calibration"),
         str(body["version"]),
         int(body["part"]),

@@ -13,6 +13,7 @@ import sys
 import zlib
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import lz4.frame
 import pytest
@@ -20,7 +21,7 @@ import zstandard
 from mcap.reader import make_reader
 
 from navigation.recording.files import RecordingError
-from navigation.recording.json_bodies import PLANS, REQUESTS
+from navigation.recording.json_bodies import CONFIGURATION, PLANS, REQUESTS
 from navigation.recording.reader import bytes_field, decoded_picture, read_recording
 from navigation.recording.tape import read_tape
 from tests.support.files.png_pictures import chunk as png_chunk
@@ -307,4 +308,35 @@ def test_a_plan_whose_path_cannot_be_shown_is_said_in_one_sentence(
     file.write_bytes(chunks_of(data) + said)
     with pytest.raises(RecordingError, match="cannot be read") as refused:
         read_tape(file)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "says"),
+    [
+        ("arena", {"bounds_m": [0.0, 0.0, 0.0, 0.0]}, "arena.bounds_m: must be"),
+        (
+            "robots",
+            [{"name": "a", "marker_id": 1}, {"name": "a", "marker_id": 2}],
+            "robots[1].name: 'a' is the name of robots[0] already",
+        ),
+        (
+            "robots",
+            [{"name": "a", "marker_id": 1}, {"name": "b", "marker_id": 1}],
+            "robots[1].marker_id: 1 is robots[0] (a)'s already",
+        ),
+    ],
+)
+def test_a_configuration_that_cannot_be_replayed_is_said_in_one_sentence(
+    tmp_path: Path, section: str, value: Any, says: str
+) -> None:
+    found = {c.topic: m.data for _, c, m in make_reader(BytesIO(small_recording())).iter_messages()}
+    body = json.loads(found[CONFIGURATION])
+    config = body["config"]
+    config[section] = {**config[section], **value} if isinstance(value, dict) else value
+    file = tmp_path / "run.mcap"
+    file.write_bytes(whole(channel(), message(json.dumps(body).encode())))
+    with pytest.raises(RecordingError, match="cannot be read") as refused:
+        read_recording(file)
+    assert says in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1
