@@ -21,9 +21,10 @@ import zstandard
 from mcap.reader import make_reader
 
 from navigation.recording.files import RecordingError
-from navigation.recording.json_bodies import CONFIGURATION, PLANS, REQUESTS
+from navigation.recording.json_bodies import CONFIGURATION, PLANS, REQUESTS, SCENES
 from navigation.recording.reader import bytes_field, decoded_picture, read_recording
 from navigation.recording.tape import read_tape
+from navigation.run.replay import replay
 from tests.support.files.png_pictures import chunk as png_chunk
 from tests.support.pictures import call
 from tests.support.runs.recordings import small_recording
@@ -340,3 +341,24 @@ def test_a_configuration_that_cannot_be_replayed_is_said_in_one_sentence(
         read_recording(file)
     assert says in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1
+
+
+def test_a_recording_that_was_cut_before_its_first_scene_is_replayed(tmp_path: Path) -> None:
+    """The comparison of scenes ended with a traceback where there were none."""
+    data = small_recording()
+    topics: dict[str, int] = {}
+    said = b""
+    for _, one, sent in make_reader(BytesIO(data)).iter_messages():
+        if one.topic == SCENES:
+            break
+        if one.topic not in topics:
+            topics[one.topic] = len(topics) + 1
+            said += channel(one.topic.encode(), topics[one.topic])
+        times = struct.pack("<HIQQ", topics[one.topic], 0, sent.log_time, sent.publish_time)
+        said += record(MESSAGE, times + sent.data)
+    file = tmp_path / "cut.mcap"
+    file.write_bytes(MAGIC + record(HEADER, text(b"") + text(b"")) + said)
+    recording = read_recording(file)
+    assert recording.frames
+    assert recording.scenes == []
+    assert replay(recording).is_equal
