@@ -68,14 +68,15 @@ def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
     if simulation is not None:
         lists.append((("simulation", "starts"), simulation.starts))
     for where, entries in lists:
-        seen: set[str] = set()
+        first: dict[str, int] = {}
         for index, one in enumerate(entries):
             if one.name not in known:
                 there = ", ".join(sorted(known)) or "there are none"
                 yield (*where, index, "name"), f"'{one.name}' is none of robots: {there}"
-            elif one.name in seen:
-                yield (*where, index, "name"), f"'{one.name}' was named before"
-            seen.add(one.name)
+            elif one.name in first:
+                before = f"{'.'.join(map(str, where))}[{first[one.name]}]"
+                yield (*where, index, "name"), f"'{one.name}' is the name of {before} already"
+            first.setdefault(one.name, index)
 
 
 def every_robot_has_a_start(robots: Any, serial: Any, simulation: Any) -> _Found:

@@ -111,6 +111,16 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             "the starts of ada and bob are 0.1 m apart: must be >= 0.18, both radii together",
         ),
         (
+            ("- {name: bob, x_m", "- {name: ada, x_m"),
+            "simulation.starts[1].name",
+            "'ada' is the name of simulation.starts[0] already",
+        ),
+        (
+            ("- {name: bob, stations", "- {name: ada, stations"),
+            "mission.robots[1].name",
+            "'ada' is the name of mission.robots[0] already",
+        ),
+        (
             ("    - {name: ada, x_m: 0.2, y_m: 0.2}\n", ""),
             "simulation.starts",
             "needs the start of ada",
