@@ -33,7 +33,8 @@ def _limited(
         yield where, f"must be {sign} {limit:.{digits}g}{why}, not {value:g}"
 
 
-def _bounds_have_an_inside(arena: Any) -> _Found:
+def bounds_have_an_inside(arena: Any) -> _Found:
+    """An arena has an area."""
     x0, y0, x1, y1 = arena.bounds_m
     if not (x0 < x1 and y0 < y1):
         yield ("arena", "bounds_m"), "must be [x_min, y_min, x_max, y_max] with min < max"
@@ -307,7 +308,7 @@ def _one_is_notified(notify: Any) -> _Found:
 
 
 CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
-    (("arena",), _bounds_have_an_inside),
+    (("arena",), bounds_have_an_inside),
     (("camera", "cameras"), _camera_has_a_scale),
     (("camera", "cameras"), camera_checks.names_and_sources_differ),
     (("camera", "cameras"), camera_checks.each_has_a_calibration),
@@ -326,6 +327,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot", "planning"), _plans_stay_small),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),
+    (("robots", "recording"), fleet_checks.journals_differ),
     (("robots", "robot"), fleet_checks.markers_are_of_one_family),
     (("robots", "mission", "simulation"), fleet_checks.names_are_known),
     (("robots", "serial", "simulation"), fleet_checks.every_robot_has_a_start),

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, StrictBool
 
 from navigation.config.values import Positive, Rate, Section
+
+ZONES_FILE: Final = "zones"
+"""Ending of the file beside the journal in which changed zones are."""
 
 
 class RecordingSection(Section):

@@ -230,10 +230,10 @@ class Hub:
             return {"ok": False, "reason": str(error)}
         return preview_facts(answer)
 
-    async def change_zones(self, request: Mapping[str, Any], who: str) -> dict[str, Any]:
-        """Carry out an order that waits for the disk: in another thread, one after another."""
+    async def change_zones(self, change: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """Make a change that waits for the disk: in another thread, one after another."""
         async with self._zoning:
-            return await asyncio.to_thread(self.give, request, who)
+            return await asyncio.to_thread(change)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
         """Save, rename or remove a place; return the reason for refusing."""

@@ -16,7 +16,7 @@ from navigation.dashboard.admission.access import TOKEN_TO_STOP
 from navigation.mission.mission import MissionProgress, State
 from navigation.orders.carry_out import carry_out
 from navigation.orders.table import ORDERS, Who
-from navigation.shared.outside import in_short
+from navigation.shared.outside import finite_number, in_short, printable
 
 if TYPE_CHECKING:
     from navigation.loop.people import People
@@ -26,6 +26,8 @@ WHO: Final[Mapping[str, Who]] = {
     **{name: order.who for name, order in ORDERS.items() if order.who is not Who.SOCKET},
     REARM: Who.OPERATOR,
 }
+SAID_CHARACTERS: Final = 40
+"""Characters of a name in the log."""
 ZONE_ORDERS: Final = frozenset(("zone_put", "zone_remove", "zone_undo"))
 BUTTONS: Final = {name: order.button for name, order in ORDERS.items() if order.button is not None}
 
@@ -88,6 +90,34 @@ def _give_each(order: str, robots: Mapping[str, Any], people: People) -> dict[st
         return {"ok": False, "error": f"nothing to {order}: {stopped} stopped"}
     answers = [carry_out({"order": "resume", "robot": name}, people) for name in chosen]
     return next((answer for answer in answers if not answer["ok"]), answers[0])
+
+
+def order_told(message: Mapping[str, Any]) -> str:
+    """Line of the log for an admitted order."""
+    robot = message.get("robot")
+    whom = f"{printable(robot, SAID_CHARACTERS)}: " if isinstance(robot, str) else ""
+    return whom + _without_robot(message)
+
+
+def _without_robot(message: Mapping[str, Any]) -> str:
+    if message.get("order") in ZONE_ORDERS:
+        return _zone_order_told(message)
+    if message.get("order") != "go" or not isinstance(message.get("stations"), list):
+        return str(message.get("order")).upper()  # only admitted orders get here
+    stations = message["stations"]
+    last = stations[-1] if stations and isinstance(stations[-1], dict) else {}
+    x, y = (finite_number(last.get(name)) for name in ("x_m", "y_m"))
+    if x is None or y is None:
+        return "GO"
+    more = f" by {len(stations) - 1} more" if len(stations) > 1 else ""
+    return f"GO to ({x:.3f}, {y:.3f}) m{more}"
+
+
+def _zone_order_told(message: Mapping[str, Any]) -> str:
+    zone = message.get("zone")
+    name = zone.get("name") if isinstance(zone, dict) else message.get("name")
+    which = f" '{printable(name, SAID_CHARACTERS)}'" if isinstance(name, str) else ""
+    return str(message["order"]).replace("_", " ").upper() + which
 
 
 def cannot(mission: MissionProgress) -> dict[str, str]:

@@ -25,14 +25,12 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.chronicle import LOG_LINES
 from navigation.dashboard.messages.picture import width_for
 from navigation.dashboard.messages.rings import Ring
-from navigation.dashboard.orders import ZONE_ORDERS, refusal_of
+from navigation.dashboard.orders import ZONE_ORDERS, order_told, refusal_of
 from navigation.orders.arguments import read_stations
 from navigation.orders.errors import ControlError
 from navigation.shared.outside import (
     OutsideError,
-    finite_number,
     in_short,
-    printable,
     read_object,
 )
 from navigation.shared.supervisor import in_words
@@ -280,29 +278,35 @@ class Viewer:
         return error
 
     def _order(self, message: dict[str, Any]) -> None:
-        order, hub = message.get("order"), self.hub
-        refusal = hub.refusal or refusal_of(
-            order,
+        refusal = self._refusal_of(message)
+        if refusal is not None:
+            self.hub.gate.count("order")
+            self._reply(message, _outcome(refusal))
+        elif message["order"] in ZONE_ORDERS:
+            self._start(self._change_zones(message))
+        else:
+            self._was_given(message, self.hub.give(message, self.name))
+
+    def _refusal_of(self, message: dict[str, Any]) -> str | None:
+        return self.hub.refusal or refusal_of(
+            message.get("order"),
             may_stop=self.role is not Role.VISITOR,
             may_drive=self.role.may_drive,
-            holds=bool(self.attention.key) and hub.seat.is_held_by(self.attention.key),
+            holds=bool(self.attention.key) and self.hub.seat.is_held_by(self.attention.key),
         )
-        if refusal is not None:
-            hub.gate.count("order")
-            self._reply(message, {"ok": False, "error": refusal})
-            return
-        if order in ZONE_ORDERS:
-            return self._start(self._change_zones(message))
-        self._was_given(message, hub.give(message, self.name))
 
     async def _change_zones(self, message: dict[str, Any]) -> None:
-        self._was_given(message, await self.hub.change_zones(message, self.name))
+        def change() -> dict[str, Any]:
+            refusal = self._refusal_of(message)  # others may have control by now
+            return _outcome(refusal) if refusal else self.hub.give(message, self.name)
+
+        self._was_given(message, await self.hub.change_zones(change))
 
     def _was_given(self, message: dict[str, Any], result: Mapping[str, Any]) -> None:
         self.hub.seat.touch(self.attention.key, self.hub.clock())
         level = "stop" if message["order"] == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
-        self.hub.note(level, f"{self.name}: {_told(message)}{outcome}")
+        self.hub.note(level, f"{self.name}: {order_told(message)}{outcome}")
         self._reply(message, {k: result[k] for k in ("ok", "error", "trouble") if k in result})
 
     def _start(self, work: Coroutine[Any, Any, None]) -> None:
@@ -369,30 +373,3 @@ def _outcome(error: str | None) -> dict[str, Any]:
 def _number_of(message: dict[str, Any]) -> int | None:
     number = message.get("id")
     return number if isinstance(number, int) and abs(number) < 2**53 else None
-
-
-def _told(message: dict[str, Any]) -> str:
-    robot = message.get("robot")
-    whom = f"{printable(robot, NAME_CHARACTERS)}: " if isinstance(robot, str) else ""
-    return whom + _order_told(message)
-
-
-def _order_told(message: dict[str, Any]) -> str:
-    if message.get("order") in ZONE_ORDERS:
-        return _zone_order_told(message)
-    if message.get("order") != "go" or not isinstance(message.get("stations"), list):
-        return str(message.get("order")).upper()  # only admitted orders get here
-    stations = message["stations"]
-    last = stations[-1] if stations and isinstance(stations[-1], dict) else {}
-    x, y = (finite_number(last.get(name)) for name in ("x_m", "y_m"))
-    if x is None or y is None:
-        return "GO"
-    more = f" by {len(stations) - 1} more" if len(stations) > 1 else ""
-    return f"GO to ({x:.3f}, {y:.3f}) m{more}"
-
-
-def _zone_order_told(message: dict[str, Any]) -> str:
-    zone = message.get("zone")
-    name = zone.get("name") if isinstance(zone, dict) else message.get("name")
-    which = f" '{printable(name, NAME_CHARACTERS)}'" if isinstance(name, str) else ""
-    return str(message["order"]).replace("_", " ").upper() + which

@@ -15,12 +15,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from navigation.journal.journal_file import (
-    OPEN_WITHIN_S,
-    JournalError,
-    JournalFile,
-    JournalWriteError,
-)
+from navigation.journal.journal_file import JournalFile
+from navigation.journal.journal_lock import OPEN_WITHIN_S, JournalError, JournalWriteError
 from navigation.journal.journal_records import Contents, Owner, SentPlan, owner_of
 from navigation.mission.mission import MissionProgress, State, Station
 

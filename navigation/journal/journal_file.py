@@ -12,37 +12,31 @@ Rules
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import stat
-import time
 from pathlib import Path
 from typing import Final
 
+from navigation.journal.journal_lock import (
+    OPEN_WITHIN_S,
+    JournalError,
+    JournalLock,
+    JournalWriteError,
+    error_of,
+    identity,
+)
 from navigation.journal.journal_records import Contents, Owner, RecordError, from_text, to_text
 from navigation.shared.sealed import SealError, seal, unseal
 from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_whole
 
 KIND: Final = "journal"
 VERSION: Final = 3
-OPEN_WITHIN_S: Final = 5.0
-"""Time for which a run that begins waits for a program that is about to end."""
-LOOK_AGAIN_S: Final = 0.05
 MOST_BYTES: Final = 64_000_000
 MOST_ASIDE: Final = 1000
 
 _MAGIC: Final = f"clearway {KIND} ".encode()
 _LIKENESS: Final = 12
 """A file with this many equal bytes at its beginning is a damaged journal, not a person's notes."""
-_NO_ROOM: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO})
-
-
-class JournalError(ValueError):
-    """Error: the journal cannot be used."""
-
-
-class JournalWriteError(JournalError):
-    """Error: it cannot be written now: no space, a disk error, a lost file."""
 
 
 class _UntrustedError(ValueError):
@@ -59,8 +53,7 @@ class JournalFile:
     def __init__(self, path: Path, owner: Owner, patience_s: float = OPEN_WITHIN_S) -> None:
         self.path, self.owner = path, owner
         self._file = Path(os.path.realpath(path))  # a link to it stays one
-        self._lock_file = self._file.with_name(f".{self._file.name}.lock")
-        self._lock: int | None = None
+        self._lock: JournalLock | None = None
         self.remark = ""
         self.contents: Contents | None = None
         try:
@@ -75,8 +68,7 @@ class JournalFile:
                 )
         except OSError as error:
             self.close()
-            kind = JournalWriteError if error.errno in _NO_ROOM else JournalError
-            raise kind(f"journal {path}: {error.strerror or error}") from None
+            raise error_of(path, error) from None
         except JournalError:
             self.close()
             raise
@@ -92,25 +84,7 @@ class JournalFile:
                 self._file.chmod(0o600)
 
     def _take_lock(self, patience_s: float) -> None:
-        import fcntl  # only Unix has it
-
-        until_s = time.monotonic() + patience_s
-        while self._lock is None:
-            handle = os.open(self._lock_file, os.O_CREAT | os.O_RDWR, 0o600)
-            try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                if _identity(self._lock_file) == _identity(handle):
-                    self._lock = handle  # else it was deleted before it was locked
-            except BlockingIOError:
-                if time.monotonic() >= until_s:
-                    raise JournalError(
-                        f"journal {self.path}: is in use by another program, a running clearway "
-                        "most likely: give each its own recording.journal"
-                    ) from None
-                time.sleep(LOOK_AGAIN_S)  # a file's lock cannot be awaited with a time limit
-            finally:
-                if self._lock != handle:
-                    os.close(handle)
+        self._lock = JournalLock(self.path, patience_s)
 
     def _read(self) -> Contents | None:
         try:
@@ -173,7 +147,7 @@ class JournalFile:
 
     def _present(self) -> list[tuple[int, int] | None]:
         """Identities of the journal and its lock: both may be deleted meanwhile."""
-        return [_identity(self._file), _identity(self._lock_file)]
+        return [identity(self._file), None if self._lock is None else identity(self._lock.file)]
 
     def discard(self) -> None:
         """Remove the file: its content would mislead the next program."""
@@ -185,16 +159,8 @@ class JournalFile:
     def close(self) -> None:
         """Release the lock."""
         if self._lock is not None:
-            os.close(self._lock)
+            self._lock.close()
             self._lock = None
-
-
-def _identity(file: Path | int) -> tuple[int, int] | None:
-    try:
-        status = os.stat(file)
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
 
 
 def _is_alike(data: bytes) -> bool:

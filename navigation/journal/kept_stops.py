@@ -1,7 +1,8 @@
 """The stops of a run on disk: stored before they are answered, lifted by a re-arm only.
 
 After the start, one thread alone touches the disk, and a stop waits for it at most ``ANSWER_S``: a
-disk that hangs delays no stop, and the answer says so.
+disk that hangs delays no stop, and the answer says so. What a disk refused is tried again every
+``RETRY_S``.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from navigation.shared.whole_file import UnwrittenFileError
 
 ANSWER_S: Final = 0.15
 """A stop is answered within 0.3 s in any case."""
+RETRY_S: Final = 1.0
+"""Pause before a write that failed is tried again, as a journal's."""
 END_S: Final = 2.0
 """For what is left to write when a run ends."""
 
@@ -116,10 +119,14 @@ class KeptStops:
     # The thread.
 
     def _run(self) -> None:
+        trouble = ""
         while True:
             with self._news:
-                self._news.wait_for(lambda: self._ends or self._done < self._asked)
-                if self._done >= self._asked:
+                pause_s = RETRY_S if trouble else None
+                is_news = self._news.wait_for(
+                    lambda: self._ends or self._done < self._asked, pause_s
+                )
+                if is_news and self._done >= self._asked:
                     return
                 asked, wanted = self._asked, dict(self._wanted)
             trouble = ""

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from navigation.config.recording import ZONES_FILE
 from navigation.config.zone_file import ZoneError, zone_of
 from navigation.config.zones import ZoneSection
 from navigation.config.zones.in_words import as_written
@@ -29,7 +30,6 @@ from planner.zones.masks import mask_of_text, mask_text
 
 KIND: Final = "zones"
 VERSION: Final = 1
-SUFFIX: Final = ".zones"
 MOST_BYTES: Final = 16_000_000
 """Chosen: all corners that zones may have take 0.2 MB, and a mask of 11 000 islands 1.1 MB."""
 MOST_ASIDE: Final = 1000
@@ -113,7 +113,7 @@ class KeptZones:
     @classmethod
     def beside(cls, journal: Path) -> KeptZones:
         """Return the file beside a journal."""
-        return cls(journal.with_name(journal.name + SUFFIX))
+        return cls(journal.with_name(f"{journal.name}.{ZONES_FILE}"))
 
     def read(self) -> tuple[ZoneChange, ...]:
         """Return the changes, none without a file; ``KeptZonesError`` if it is unusable."""
@@ -131,17 +131,19 @@ class KeptZones:
             raise KeptZonesError(f"{self.path}: {printable(str(error), 300)}") from None
 
     def put_aside(self) -> str:
-        """Rename the file; return what became of it."""
+        """Rename the file; return what became of it. ``KeptZonesError`` if it stays in place."""
         for number in range(1, MOST_ASIDE + 1):
             aside = self.path.with_name(f"{self.path.name}.damaged-{number}")
             if not aside.exists():
                 break
         else:
-            return f"{self.path}: cannot be put aside: {MOST_ASIDE} files are kept already"
+            most = f"{MOST_ASIDE} files are kept already"
+            raise KeptZonesError(f"{self.path}: cannot be put aside: {most}")
         try:
             self.path.rename(aside)
         except OSError as error:
-            return f"{self.path}: cannot be put aside: {error.strerror or error}"
+            why = error.strerror or error
+            raise KeptZonesError(f"{self.path}: cannot be put aside: {why}") from None
         return f"{self.path}: kept as {aside.name}"
 
     def encoded(self, changes: Sequence[ZoneChange]) -> bytes:

@@ -166,9 +166,9 @@ class People:
         self._daemon.zones.remove(name)
         return self.zones()
 
-    def undo_zone(self) -> dict[str, Any]:
-        """Undo the last change of zones; ``MissionError``."""
-        self._daemon.zones.undo()
+    def undo_zone(self, seen: int | None) -> dict[str, Any]:
+        """Undo the last change of zones; ``MissionError``, if it is not that of ``seen``."""
+        self._daemon.zones.undo(seen)
         return self.zones()
 
     def zones(self) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from navigation.journal.kept_zones import (
     changes_between,
     with_changes,
 )
-from navigation.journal.zones_writer import ZonesWriter
+from navigation.journal.zones_writer import UNKNOWN, ZonesWriter
 from navigation.mission.mission import MissionError
 from planner.zones.zone import Zone
 
@@ -39,6 +39,8 @@ class ZonesInForce:
         self._lock = threading.Lock()
         self._sections = self._configured = tuple(zones)
         self._writer: ZonesWriter | None = None
+        self._lost = ""
+        """Trouble of changes while a damaged file is where theirs would be."""
         self._ended = False
         self._before: list[tuple[ZoneSection, ...]] = []
         self.revision = 0
@@ -62,7 +64,7 @@ class ZonesInForce:
     @property
     def trouble(self) -> str:
         """Reason why a restart would not know of the changes, although a file keeps them."""
-        return "" if self._writer is None else self._writer.trouble
+        return self._lost if self._writer is None else self._writer.trouble
 
     def changes(self) -> tuple[ZoneChange, ...]:
         """Return what differs from the configuration."""
@@ -72,8 +74,9 @@ class ZonesInForce:
         """Take over changes of an earlier run, and keep further ones; return what to say.
 
         ``before`` are the zones of the run before in the same program: its changes hold whatever
-        its file has, and beside those of another file. ``KeptZonesError`` if the file's are lost:
-        then no change is kept before `keep_in`.
+        its file has, and beside those of another file. All hold, even where the configuration has
+        got others since, and together they are twice as many as can be added.
+        ``KeptZonesError`` if the file's are lost: then no change is kept before `keep_in`.
         """
         lost, in_file = None, dict[str, ZoneChange]()
         try:
@@ -91,7 +94,11 @@ class ZonesInForce:
             self._sections = sections
             self.revision += 1
             self.changed()
+            too_many = _too_many(sections)
+            if too_many is not None:
+                said.append(f"{too_many}: all hold, and none is added before some are removed")
         if lost is not None:
+            self._lost = f"{UNKNOWN}: {lost}"
             raise lost
         if kept is not None:
             self._writer = writer or ZonesWriter(kept)
@@ -114,11 +121,9 @@ class ZonesInForce:
             raise MissionError(f"zone '{zone.name}': robot '{unknown[0]}': there is {there}")
         with self._lock:
             others = tuple(one for one in self._sections if one.name != zone.name)
-            if len(others) >= MOST_ZONES:
-                raise MissionError(f"zone '{zone.name}': there are {MOST_ZONES} zones already")
-            too_many = too_many_places((*others, zone))
+            too_many = _too_many((*others, zone))
             if too_many is not None:
-                raise MissionError(f"zone '{zone.name}': with it zones have {too_many}")
+                raise MissionError(f"zone '{zone.name}': with it there are {too_many}")
             self._set((*others, zone))
         self._tell()
 
@@ -132,9 +137,11 @@ class ZonesInForce:
             self._set(others)
         self._tell()
 
-    def undo(self) -> None:
-        """Take the last change back; ``MissionError``."""
+    def undo(self, seen: int | None = None) -> None:
+        """Take the last change back; ``MissionError``, if it is not that of revision ``seen``."""
         with self._lock:
+            if seen is not None and seen != self.revision:
+                raise MissionError("zones were changed by someone else since: look at them first")
             if not self._before:
                 raise MissionError("no change of zones to take back")
             *before, last = self._before
@@ -162,3 +169,10 @@ class ZonesInForce:
         self._before = [*self._before[1 - MOST_UNDONE :], self._sections]
         self._sections = sections
         self.revision += 1
+
+
+def _too_many(zones: Sequence[ZoneSection]) -> str | None:
+    """Sentence on too many zones, or places of them together; None if they are few enough."""
+    if len(zones) > MOST_ZONES:
+        return f"{len(zones)} zones: must be at most {MOST_ZONES}"
+    return too_many_places(zones)

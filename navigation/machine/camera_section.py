@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from navigation.config.editing.in_file import ChangedMeanwhileError, write_source
 from navigation.config.editing.in_text import EditError, value_text, with_values
 from navigation.config.load import parse_config, read_source
 from navigation.config.sections import Config
 from navigation.machine.camera_findings import FLICKERS, SHARP_SHARE, SMEARED_PX, CameraMeasurements
-from navigation.shared.whole_file import write_whole
 from vision.camera.v4l2.controls import (
     AUTO_FOCUS,
     EXPOSURE,
@@ -111,5 +111,8 @@ def write_section(file: Path, section: Mapping[str, Any]) -> Config:
                 f"{file}: camera.{key} would become {got[key]}, not {value}; "
                 "put it there by hand:\n" + section_text(section)
             )
-    write_whole(file, changed)
+    try:
+        write_source(file, changed, over=text)
+    except ChangedMeanwhileError as error:
+        raise SectionError(f"{error}; put it there by hand:\n" + section_text(section)) from None
     return config

@@ -99,12 +99,20 @@ def _zone_name(request: Mapping[str, Any]) -> str:
     return printable(name, ROBOT_CHARACTERS)
 
 
+def _revision(request: Mapping[str, Any]) -> int | None:
+    value = request.get("revision")
+    if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
+        raise ControlError(f"revision: must be a whole number, not {in_short(value)}")
+    return value
+
+
 READERS: Final[Mapping[str, Callable[[Mapping[str, Any], People], Any]]] = {
     "stations": lambda request, _: read_stations(request.get("stations")),
     "reason": lambda request, _: _reason(request),
     "camera": lambda request, _: _name(request, "camera"),
     "zone": _zone,
     "name": lambda request, _: _zone_name(request),
+    "revision": lambda request, _: _revision(request),
 }
 """By the name of the argument: its value in a request to people; ``ControlError`` if it has none.
 """

@@ -205,7 +205,8 @@ _ALL: Final = (
         "Take back the last change of zones.",
         "Take back the last change of zones that was made while the program runs.",
         ("clearway zone undo", "Take back the last change of zones."),
-        lambda people, _robot, _given: people.undo_zone(),
+        lambda people, _, given: people.undo_zone(given["revision"]),
+        ("revision",),
         command="zone",
     ),
     Order(

@@ -16,10 +16,14 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
+from navigation.config.checks import bounds_have_an_inside
+from navigation.config.errors import key_name
+from navigation.config.several.fleet_checks import names_markers_and_ports_differ
 from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import ZonesChanged
 from navigation.recording.files import RecordingError
+from navigation.recording.live_bodies import MOST_M, MOST_S, bounded
 from navigation.recording.messages import Messages
 from navigation.recording.zone_bodies import zones_of
 from planner.formats.scene_text import read_scene_text
@@ -155,9 +159,16 @@ def unreadable(path: Path, topic: str, error: Exception) -> RecordingError:
 def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
     if topic != bodies.CONFIGURATION or body.get("schema") != bodies.SCHEMA:
         raise ValueError(f"must begin with a configuration of schema {bodies.SCHEMA}")
+    config = Config.model_validate(body["config"])
+    # of all checks those that a replay relies on: another version's recording may break others
+    for where, sentence in (
+        *bounds_have_an_inside(config.arena),
+        *names_markers_and_ports_differ(config.robots, config.serial, config.other_robots),
+    ):
+        raise ValueError(f"{key_name(where)}: {sentence}")
     return Recording(
         path,
-        Config.model_validate(body["config"]),
+        config,
         parse_calibration(body["calibration"], f"{path}: calibration"),
         str(body["version"]),
         int(body["part"]),
@@ -166,15 +177,19 @@ def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
 
 def _frame(body: dict[str, Any]) -> SeenFrame:
     poses = {
-        int(pose["id"]): (float(pose["x_m"]), float(pose["y_m"]), float(pose["heading_rad"]))
+        int(pose["id"]): (
+            bounded(pose["x_m"], MOST_M),
+            bounded(pose["y_m"], MOST_M),
+            bounded(pose["heading_rad"], MOST_M),
+        )
         for pose in body["poses"]
     }
-    return SeenFrame(float(body["captured_s"]), poses)
+    return SeenFrame(bounded(body["captured_s"], MOST_S), poses)
 
 
 def _scene(body: dict[str, Any]) -> SeenScene:
     return SeenScene(
-        float(body["captured_s"]),
+        bounded(body["captured_s"], MOST_S),
         int(body["revision"]),
         bool(body["carried"]),
         read_scene_text(body["scene"], "recorded scene"),

@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, TypeAlias, TypeVar
+from typing import Any, Final, TypeVar
 
 from mcap.records import Message
 
@@ -20,6 +20,15 @@ from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
+from navigation.recording.live_bodies import (
+    MOST_M,
+    MOST_S,
+    TapedLink,
+    Waits,
+    bounded,
+    link_of,
+    waits_of,
+)
 from navigation.recording.messages import Messages, messages_at
 from navigation.recording.reader import (
     BAD_BODY,
@@ -63,10 +72,6 @@ class TapedPlan:
     answer: dict[str, Any]
 
 
-Waits: TypeAlias = tuple[dict[str, str], dict[str, str]]
-"""Sentences of waiting robots, and the robots they wait for, by name."""
-
-
 @dataclass(slots=True)
 class Tape:
     """A recording in ascending order of time; robots by name, which is empty for a single one."""
@@ -79,7 +84,7 @@ class Tape:
     plans: dict[str, list[TapedPlan]] = field(default_factory=lambda: defaultdict(list))
     said: dict[str, list[tuple[float, str]]] = field(default_factory=lambda: defaultdict(list))
     """States and reasons of the mission: ``state: sentence``."""
-    links: dict[str, list[tuple[float, dict[str, Any]]]] = field(
+    links: dict[str, list[tuple[float, TapedLink]]] = field(
         default_factory=lambda: defaultdict(list)
     )
     waits: list[tuple[float, Waits]] = field(default_factory=list)
@@ -134,7 +139,7 @@ class Tape:
         """``state: sentence`` of a robot's mission."""
         return _newest(self.said.get(robot, []), time_s)
 
-    def link_at(self, time_s: float, robot: str = "") -> dict[str, Any] | None:
+    def link_at(self, time_s: float, robot: str = "") -> TapedLink | None:
         """Newest counters of a robot's link."""
         return _newest(self.links.get(robot, []), time_s)
 
@@ -199,21 +204,30 @@ def _take(tape: Tape, offset: int, topic: str, message: Message) -> None:
         tape.said["" if alone else source].append((time_s, sentence))
     elif topic == bodies.LINK or topic.startswith(f"{bodies.LINK}/"):
         name = topic.removeprefix(bodies.LINK).removeprefix("/")
-        tape.links[name].append((time_s, bodies.read_body(message.data)))
+        tape.links[name].append((time_s, link_of(bodies.read_body(message.data))))
     elif topic == bodies.FLEET_WAITS:
-        body = bodies.read_body(message.data)
-        tape.waits.append((time_s, (body["waits"], body["waits_for"])))
+        tape.waits.append((time_s, waits_of(bodies.read_body(message.data))))
 
 
 def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
     request, answer = planned.request, planned.answer
-    time_s = float(answer["time_s"])
+    time_s = bounded(answer["time_s"], MOST_S)
     if isinstance(request, PlanRequest):
-        yield "", TapedPlan(time_s, request.stations, answer)
+        yield "", TapedPlan(time_s, request.stations, _shown(answer))
         return
     goals = {one.name: one.station for one in (*request.travellers, *request.idle)}
     for name, mine in answer["robots"].items():
-        yield name, TapedPlan(time_s, (goals[name],) if name in goals else (), mine)
+        yield name, TapedPlan(time_s, (goals[name],) if name in goals else (), _shown(mine))
+
+
+def _shown(answer: dict[str, Any]) -> dict[str, Any]:
+    """Return the answer; ValueError, TypeError or LookupError if its path cannot be shown."""
+    if answer.get("status") == "ok":
+        for x, y in answer["path"]:
+            bounded(x, MOST_M), bounded(y, MOST_M)
+        bounded(answer["length_m"], MOST_M)
+        bounded(answer["min_clearance_m"], MOST_M)
+    return answer
 
 
 def _newest(moments: list[tuple[float, T]], time_s: float) -> T | None:

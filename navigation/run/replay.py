@@ -212,7 +212,7 @@ class Replay:
         """Return the replay's scene for each revision."""
         by_revision: dict[int, Scene] = {}
         scenes = self.recording.scenes
-        ends = [*(scene.captured_s for scene in scenes[1:]), math.inf]
+        ends = [*(scene.captured_s for scene in scenes), math.inf][1:]
         for recorded, end_s in zip(scenes, ends, strict=True):
             begin_s = recorded.captured_s
             if recorded.carried and self._first_s is not None:

@@ -48,8 +48,12 @@ class RestoredZones:
         stops = self._daemon.stopping.kept
         if stops is not None and stops.settled():
             return  # the stop is not on the disk: the damage stops the next run too
-        self._tell(self._lost.put_aside())
-        self._daemon.zones.keep_in(self._lost)
+        try:
+            self._tell(self._lost.put_aside())
+        except KeptZonesError as error:
+            self._tell(str(error))  # nothing is written over it
+        else:
+            self._daemon.zones.keep_in(self._lost)
 
     def _tell(self, sentence: str) -> None:
         self._say(sentence)

@@ -22,7 +22,6 @@ from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
 from navigation.config.values import SIMULATED
 from navigation.control import default_socket
-from navigation.journal.journal import Journal, owner_of
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import ports_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
@@ -37,6 +36,7 @@ from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
 from navigation.run.devices.world_clock import slowness
 from navigation.run.give_missions import GiveMissions
+from navigation.run.journals import open_journals
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.notifications import Notifications
 from navigation.run.progress import ProgressLines, why_stopped
@@ -125,7 +125,9 @@ class Runner:
         """Run until all missions are over (``once``), the time limit, or an interrupt."""
         self._refuse_what_is_no_port()  # before the user has waited for the kernels
         with ExitStack() as open_things:
-            journals = self._open_journals(open_things)  # first: a second program is refused here
+            journals = open_journals(  # first: a second program is refused here
+                self.config, self._robots, self._file, open_things, self._warn
+            )
             folder = self._open_folder(open_things)
             if not self._warm_up():
                 return self._end_before_the_start(folder)
@@ -274,18 +276,9 @@ class Runner:
             )
         )
 
-    def _open_journals(self, open_things: ExitStack) -> dict[str, Journal]:
-        journals = {}
-        for name, one in self._robots.items():
-            path = one.recording.journal
-            if path is None:
-                continue
-            journal = open_things.enter_context(Journal(path, owner_of(one, self._file)))
-            journals[name] = journal
-            for sentence in filter(None, (journal.remark, journal.trouble)):
-                self._log.write("warning", "trouble", reason=sentence)
-                self._say(f"{name}: {sentence}" if name else sentence)
-        return journals
+    def _warn(self, robot: str, sentence: str) -> None:
+        self._log.write("warning", "trouble", reason=sentence)
+        self._say(f"{robot}: {sentence}" if robot else sentence)
 
     def _open_folder(self, open_things: ExitStack) -> Path | None:
         runs_dir = self.config.recording.runs_dir

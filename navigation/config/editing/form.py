@@ -22,6 +22,7 @@ from navigation.config.reference import json_schema
 from navigation.config.secrecy.secrets import is_secret_key
 from navigation.config.sections import RobotEntry, RobotSection, SerialSection
 from navigation.config.values import SIMULATED
+from navigation.shared.outside import printable
 
 SHOWN_SECTIONS: Final = {
     "safety": "what keeps the robot from harm is changed in the file",
@@ -37,6 +38,8 @@ DEVICE_KEYS: Final = {
 ROBOTS: Final = "robots"
 NAME: Final = (ROBOTS, "name")
 MOST_TYPED: Final = 500
+MOST_SAID: Final = 40
+"""Characters of typed text in an error."""
 _LIMITS: Final = {
     "exclusiveMinimum": "above",
     "minimum": "least",
@@ -90,7 +93,9 @@ class Key:
             raise TypedError(f"{self.name}: {typed!r} is no value")
         if self.kind == "choice" and document.data not in self.schema["enum"]:
             allowed = ", ".join(map(str, self.schema["enum"]))
-            raise TypedError(f"{self.name}: must be one of {allowed}, not {words}")
+            raise TypedError(
+                f"{self.name}: must be one of {allowed}, not {printable(words, MOST_SAID)}"
+            )
         return document.data
 
 

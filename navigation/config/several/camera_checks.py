@@ -74,12 +74,13 @@ def markers_of_several_have_places(arena: Any, cameras: Any) -> _Found:
 def simulated_cameras_are_known(cameras: Any, simulation: Any) -> _Found:
     """Simulated entries name existing cameras, once each."""
     known = {entry.name for entry in cameras}
-    seen: set[str] = set()
+    first: dict[str, int] = {}
     for index, one in enumerate(() if simulation is None else simulation.cameras):
         where: Location = ("simulation", "cameras", index, "name")
         if one.name not in known:
             there = ", ".join(sorted(known)) or "there are none"
             yield where, f"'{one.name}' is none of cameras: {there}"
-        elif one.name in seen:
-            yield where, f"'{one.name}' was named before"
-        seen.add(one.name)
+        elif one.name in first:
+            before = f"simulation.cameras[{first[one.name]}]"
+            yield where, f"'{one.name}' is the name of {before} already"
+        first.setdefault(one.name, index)

@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import Any
 
 from navigation.config.marks import Location
+from navigation.config.recording import ZONES_FILE
 from navigation.config.sections import MissionSection
 from navigation.config.several.each_robot import named_places
 from navigation.config.values import SIMULATED, Place, with_own
@@ -39,6 +40,16 @@ def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) 
             ports.setdefault(port, f"robots[{index}] ({entry.name})")
 
 
+def journals_differ(robots: Any, recording: Any) -> _Found:
+    """Each of several robots has a journal that ends with its name, beside the zones' file."""
+    if recording.journal is None or len(robots) < 2:
+        return
+    for index, entry in enumerate(robots):
+        if entry.name == ZONES_FILE:
+            file = f"{recording.journal.name}.{ZONES_FILE}"
+            yield ("robots", index, "name"), f"'{entry.name}': {file} keeps the changes of zones"
+
+
 def markers_are_of_one_family(robots: Any, robot: Any) -> _Found:
     """A picture is searched for one family of markers."""
     for index, entry in enumerate(robots):
@@ -57,14 +68,15 @@ def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
     if simulation is not None:
         lists.append((("simulation", "starts"), simulation.starts))
     for where, entries in lists:
-        seen: set[str] = set()
+        first: dict[str, int] = {}
         for index, one in enumerate(entries):
             if one.name not in known:
                 there = ", ".join(sorted(known)) or "there are none"
                 yield (*where, index, "name"), f"'{one.name}' is none of robots: {there}"
-            elif one.name in seen:
-                yield (*where, index, "name"), f"'{one.name}' was named before"
-            seen.add(one.name)
+            elif one.name in first:
+                before = f"{'.'.join(map(str, where))}[{first[one.name]}]"
+                yield (*where, index, "name"), f"'{one.name}' is the name of {before} already"
+            first.setdefault(one.name, index)
 
 
 def every_robot_has_a_start(robots: Any, serial: Any, simulation: Any) -> _Found:

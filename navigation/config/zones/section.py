@@ -29,6 +29,14 @@ MASK: Final = "mask"
 Corner = tuple[Number, Number]
 
 
+def _each_once(robots: tuple[str, ...]) -> tuple[str, ...]:
+    for index, name in enumerate(robots):
+        first = robots.index(name)
+        if first < index:
+            raise ValueError(f"'{name}' is robots[{first}] and robots[{index}]: must be named once")
+    return robots
+
+
 class ZoneSection(Section):
     """An area of the floor, and the rule that holds there: no obstacle, but as binding."""
 
@@ -52,7 +60,7 @@ class ZoneSection(Section):
         default=None,
         description="instead: the YAML file of a Nav2 keep-out mask, relative to this file",
     )
-    robots: tuple[Name, ...] = Field(
+    robots: Annotated[tuple[Name, ...], AfterValidator(_each_once)] = Field(
         default=(), description="names of the robots that it is for; empty: all"
     )
     speed_m_s: PathSpeed | None = Field(

@@ -94,18 +94,16 @@ class TapedRobot:
         known = self.tape.link_at(time_s, self.name)
         if known is None:
             return LinkSnapshot(LinkState.CLOSED, "nothing was recorded of the link yet", math.inf)
-        down = known.get("down_reason")
-        link = known.get("state")
         names = {one.value for one in LinkState}
         return LinkSnapshot(
-            LinkState(link) if link in names else LinkState.CLOSED,
-            str(down) if down is not None else None,
+            LinkState(known.state) if known.state in names else LinkState.CLOSED,
+            known.down_reason,
             math.inf,
             moving=state is State.DRIVING,
-            executed=int(known.get("executed") or 0),
-            rtt_s=known.get("rtt_s"),
-            sent=HostCounters(**_known(HostCounters, known.get("sent"))),
-            received=ParserCounters(**_known(ParserCounters, known.get("received"))),
+            executed=known.executed or 0,
+            rtt_s=known.rtt_s,
+            sent=HostCounters(**_known(HostCounters, known.sent)),
+            received=ParserCounters(**_known(ParserCounters, known.received)),
         )
 
     def _path_of(self, planned: TapedPlan | None, roadmap: Roadmap | None) -> Path | None:
@@ -142,7 +140,6 @@ def _to_go_m(path: Path, pose: RobotPose) -> float:
     return float(lengths[-1] - passed_m)
 
 
-def _known(kind: Any, values: object) -> dict[str, Any]:
+def _known(kind: Any, values: Mapping[str, int]) -> dict[str, int]:
     names = {one.name for one in fields(kind)}
-    given = values if isinstance(values, dict) else {}
-    return {name: value for name, value in given.items() if name in names}
+    return {name: value for name, value in values.items() if name in names}

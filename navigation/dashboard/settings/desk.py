@@ -18,6 +18,7 @@ from typing import Any, Final, NamedTuple
 
 from navigation.config import Config
 from navigation.config.editing.form import Key, TypedError, form, form_keys
+from navigation.config.editing.in_file import ChangedMeanwhileError, write_source
 from navigation.config.editing.in_text import EditError, with_values
 from navigation.config.errors import ConfigError, key_name
 from navigation.config.load import parse_config, read_source
@@ -79,17 +80,21 @@ class Desk:
         with self._lock:
             text = read_source(self._file)
             if _digest(text) != base:
-                raise RefusedError(
-                    f"{self._file.name} was changed by someone else since: read it again first"
-                )
+                raise RefusedError(self._read_again)
             changed, problems = self._changed(text, typed)
             if problems:
                 raise RefusedError("; ".join(one["sentence"] for one in problems))
             if changed == text:
                 raise RefusedError("nothing has changed")
             try:
-                self._keep(text, changed)
-                write_whole(self._file, changed)
+                kept = self._keep(text, changed)
+                try:
+                    write_source(self._file, changed, over=text)
+                except BaseException:
+                    kept.unlink(missing_ok=True)  # it would hide the save before from `undo`
+                    raise
+            except ChangedMeanwhileError:
+                raise RefusedError(self._read_again) from None
             except (OSError, UnwrittenFileError) as error:
                 raise RefusedError(f"not saved: {error}") from None
         self._around.reload()
@@ -101,19 +106,26 @@ class Desk:
             earlier = self._earlier()
             if not earlier:
                 raise RefusedError("there is no earlier text to go back to")
-            if not self._replaced(earlier[-1], read_source(self._file)):
-                raise RefusedError(
-                    f"{self._file.name} was changed by someone else since: change it in the file"
-                )
+            present = read_source(self._file)
             try:
+                if not self._replaced(earlier[-1], present):
+                    raise ChangedMeanwhileError
                 text = earlier[-1].read_text(encoding="utf-8")
                 parse_config(text, self._file.name, self._file.parent, self._around.environment)
-                write_whole(self._file, text)
+                write_source(self._file, text, over=present)
                 earlier[-1].unlink()
+            except ChangedMeanwhileError:
+                raise RefusedError(
+                    f"{self._file.name} was changed by someone else since: change it in the file"
+                ) from None
             except (ConfigError, OSError, UnwrittenFileError) as error:
                 raise RefusedError(f"not put back: {hide(str(error))}") from None
         self._around.reload()
         return f"the last change of {self._file.name} is undone"
+
+    @property
+    def _read_again(self) -> str:
+        return f"{self._file.name} was changed by someone else since: read it again first"
 
     def _keys(self, text: str) -> list[Key]:
         cameras, ports = self._around.devices()
@@ -167,15 +179,17 @@ class Desk:
         """True if the save that kept this file wrote ``text`` in its place."""
         return kept.stem.partition("-")[2] == _digest(text)[:_DIGITS]
 
-    def _keep(self, text: str, replacement: str) -> None:
-        """Keep a text in a file that is named after its number and its replacement's digest."""
+    def _keep(self, text: str, replacement: str) -> Path:
+        """Keep a text; its file is named after its number and the digest of its replacement."""
         self._kept.mkdir(mode=0o700, parents=True, exist_ok=True)
         earlier = self._earlier()
         number = int(earlier[-1].stem.partition("-")[0]) + 1 if earlier else 1
         name = f"{number:06d}-{_digest(replacement)[:_DIGITS]}.yaml"
-        write_whole(self._kept / name, text, private=True)
+        kept = self._kept / name
+        write_whole(kept, text, private=True)
         for old in self._earlier()[:-MOST_KEPT]:
             old.unlink(missing_ok=True)
+        return kept
 
 
 def _field_of(where: Location, keys: Collection[str]) -> str:

@@ -12,6 +12,7 @@ const TYPED = "input, select, textarea";
 
 export class Zones {
   #revision = 0;
+  #undone = Promise.resolve();
   /** Revision at which two orders were one change for people: a rename. */
   #renamed = -1;
   /** Old and new name of a zone whose rename the program has not reported yet. */
@@ -85,10 +86,18 @@ export class Zones {
     if (this.form.isOpen) this.form.submit();
   }
 
-  async undo() {
+  undo() {
+    this.#undone = this.#undone.then(() => this.#undoOne()); // a second press waits for the first
+    return this.#undone;
+  }
+
+  /** Take back the newest change that this page has heard of, and none that is newer. */
+  async #undoOne() {
     const orders = this.#revision === this.#renamed ? 2 : 1;
     let answer = { ok: true };
-    for (let n = 0; n < orders && answer.ok; n++) answer = await this.#order("zone_undo");
+    for (let n = 0; n < orders && answer.ok; n++) {
+      answer = await this.#order("zone_undo", { revision: this.#revision });
+    }
     this.#say(answer.ok ? `the last change is taken back${troubleOf(answer)}` : answer.error, !answer.ok);
   }
 
@@ -103,7 +112,10 @@ export class Zones {
   async #order(order, fields = {}) {
     if (this.seat.mayNot) return { ok: false, error: this.seat.mayNot };
     const taken = await this.seat.takeIfFree();
-    return taken.ok ? this.connection.ask({ type: "order", order, robot: null, ...fields }) : taken;
+    if (!taken.ok) return taken;
+    const answer = await this.connection.ask({ type: "order", order, robot: null, ...fields });
+    if (answer.ok) this.#revision++; // the zones of it may come later
+    return answer;
   }
 
   #hear({ revision, zones }) {

@@ -86,6 +86,11 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             "'ada' is the name of robots[0] already",
         ),
         (
+            ("bob", "zones"),
+            "robots[1].name",
+            "'zones': journal.zones keeps the changes of zones",
+        ),
+        (
             ("marker_id: 2", "marker_id: 1"),
             "robots[1].marker_id",
             "1 is robots[0] (ada)'s already",
@@ -104,6 +109,16 @@ def test_a_list_with_one_robot_is_that_robot_alone() -> None:
             ("x_m: 2.0, y_m: 1.5", "x_m: 0.2, y_m: 0.3"),
             "simulation.starts[1]",
             "the starts of ada and bob are 0.1 m apart: must be >= 0.18, both radii together",
+        ),
+        (
+            ("- {name: bob, x_m", "- {name: ada, x_m"),
+            "simulation.starts[1].name",
+            "'ada' is the name of simulation.starts[0] already",
+        ),
+        (
+            ("- {name: bob, stations", "- {name: ada, stations"),
+            "mission.robots[1].name",
+            "'ada' is the name of mission.robots[0] already",
         ),
         (
             ("    - {name: ada, x_m: 0.2, y_m: 0.2}\n", ""),

@@ -121,6 +121,13 @@ def test_robots_of_a_zone_have_to_be_in_the_list() -> None:
     assert parse_config(FLEET + zones.replace(", eve", "")).zones[0].robots == ("ada",)
 
 
+def test_a_robot_is_named_once_in_a_zone() -> None:
+    robots = "robots: [bob, ada, bob]"
+    zones = f"zones:\n  - {{name: a, kind: wait, circle: [1, 1, 0.2], {robots}}}\n"
+    sentence = "'bob' is robots[0] and robots[2]: must be named once"
+    assert the_problem(FLEET + zones) == ("zones[0].robots", sentence)
+
+
 def test_a_robot_of_a_list_of_one_keeps_the_zones_that_are_for_it() -> None:
     one = GOOD.replace("  start:", "  starts: [{name: ada, x_m: 0.2, y_m: 0.2}]\n  #").replace(
         "simulation:", "robots: [{name: ada, marker_id: 1}]\nsimulation:"

@@ -104,6 +104,11 @@ class Page:
         self.send(type="join", key=key, name=name)
         return self.hear("joined")
 
+    def take(self) -> bool:
+        """Take control, and return whether the page has it."""
+        self.send(type="take", id=1)
+        return bool(self.hear("answer")["ok"])
+
     def order(self, order: str, **fields: object) -> dict[str, Any]:
         self.send(type="order", id=1, order=order, **fields)
         return self.hear("answer")

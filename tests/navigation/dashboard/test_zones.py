@@ -16,9 +16,10 @@ from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.recording.events import ZonesChanged
 from navigation.recording.tape import read_tape
 from planner.scene import FloatArray
-from tests.navigation.dashboard.site import TOKEN, VIEWER, Page, Site
+from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Page, Site
 from tests.support.runs.packed import unpack
 from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
+from tests.support.waiting import wait_until
 
 DESK: dict[str, Any] = {
     "name": "desk",
@@ -125,6 +126,56 @@ def test_stop_is_taken_while_a_zone_waits_for_the_disk(
         assert page.hear("answer")["id"] == 3
         well.set()
         assert page.hear("answer") == {"type": "answer", "id": 2, "ok": True}
+
+
+def test_a_change_that_waited_for_the_disk_is_refused_to_a_page_that_lost_control(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It took effect while another operator had the arena."""
+    hangs, well = threading.Event(), threading.Event()
+    put = site.daemon.zones.put
+
+    def slow(zone: ZoneSection) -> None:
+        hangs.set()
+        assert well.wait(60.0)
+        put(zone)
+
+    monkeypatch.setattr(site.daemon.zones, "put", slow)
+    with site.live() as page, site.live() as other:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        page.send(type="order", id=2, order="zone_put", zone=DESK)
+        assert hangs.wait(60.0)
+        page.send(type="order", id=3, order="zone_put", zone=SLOW)
+        page.send(type="release")
+        other.join(key=KEY[::-1])
+        assert wait_until(other.take)
+        well.set()
+        answers = {(told := page.hear("answer"))["id"]: told for _ in range(2)}
+        assert answers[2]["ok"]
+        assert answers[3] == {"type": "answer", "id": 3, "ok": False, "error": "take control first"}
+    assert [zone.name for zone in site.daemon.zones.sections] == ["desk"]
+
+
+def test_an_undo_takes_back_no_change_that_its_page_has_not_seen(site: Site) -> None:
+    """A keep-out zone that somebody had just drawn at the command line was gone."""
+    zones = site.daemon.zones
+    with site.live() as page:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        page.order("zone_put", zone=SLOW)
+        seen = hear_of(page, "door")["revision"]
+        zones.put(ZoneSection.model_validate(DESK))
+        answer = page.order("zone_undo", revision=seen)
+        assert answer["error"] == "zones were changed by someone else since: look at them first"
+        assert [zone.name for zone in zones.sections] == ["door", "desk"]
+        for revision in ("1", True, 1.5):
+            error = page.order("zone_undo", revision=revision)["error"]
+            assert error.startswith("revision: must be a whole number, not ")
+        assert page.order("zone_undo", revision=seen + 1)["ok"]
+        assert [zone.name for zone in zones.sections] == ["door"]
 
 
 def test_a_page_hears_the_roadmap_again_when_a_keep_out_zone_is_put_and_removed(site: Site) -> None:

@@ -100,7 +100,8 @@ def test_a_file_that_was_put_aside_is_never_overwritten(
         path.write_text(str(number))
         assert f"damaged-{number}" in KeptZones(path).put_aside()
     path.write_text("3")
-    assert "cannot be put aside: 2 files are kept already" in KeptZones(path).put_aside()
+    with pytest.raises(KeptZonesError, match="cannot be put aside: 2 files are kept already"):
+        KeptZones(path).put_aside()
     assert path.read_text() == "3"
     assert path.with_name("journal.damaged-2").read_text() == "2"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from datetime import datetime
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from navigation.journal import kept_stops
 from navigation.journal.kept_stops import KeptStops
 from navigation.journal.stop_latch import Latch, held_by, read_latches, write_latch
+from tests.support.waiting import wait_until
 
 LATCH = Latch("left", "a person", "2026-11-25", "/run/c.sock", "/etc/a.yaml", ("/dev/ttyA",))
 FLEET = {"left": ("/dev/ttyA",), "right": ("/dev/ttyB",)}
@@ -86,3 +88,26 @@ def test_a_disk_that_fails_or_hangs_delays_no_stop_and_is_said(
     with kept(tmp_path) as stops:
         stops.stop([""], "a person")
         assert "No space left on device" in stops.settled()
+
+
+@pytest.mark.parametrize("order", ["stop", "lift"])
+def test_a_disk_that_was_full_is_tried_again_without_another_order(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, order: str
+) -> None:
+    """The next run held the robot only if someone happened to stop it once more."""
+    monkeypatch.setattr(kept_stops, "RETRY_S", 0.02)
+    folder = tmp_path / "stops"
+    if order == "lift":
+        write_latch(folder, LATCH)
+    with kept(folder) as stops, monkeypatch.context() as full:
+
+        def no_space(*_arguments: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        full.setattr(kept_stops, "write_latch", no_space)
+        full.setattr(kept_stops, "remove_latch", no_space)
+        stops.stop([""], "a person") if order == "stop" else stops.lift([""])
+        assert "No space left on device" in stops.settled()
+        full.undo()
+        assert wait_until(lambda: stops.trouble == "")
+    assert len(read_latches(folder)) == (order == "stop")

@@ -63,7 +63,7 @@ def test_what_cannot_be_changed_is_refused_and_changes_nothing() -> None:
     assert zones.sections == (DESK,)
     assert zones.revision == 0
     full = ZonesInForce([circle(f"z{number}") for number in range(MOST_ZONES)], [""])
-    with pytest.raises(MissionError, match="100 zones already"):
+    with pytest.raises(MissionError, match="there are 101 zones: must be at most 100"):
         full.put(circle("more"))
     full.put(circle("z7", x_m=2.0))
 
@@ -168,6 +168,26 @@ def test_a_zone_for_two_robots_of_which_one_is_gone_holds_for_the_other(tmp_path
     ]
     assert second.sections == (circle("desk", robots=["ada"]),)
     assert [one.is_for("ada") for one in second.zones()] == [True]
+
+
+def test_zones_hold_beside_those_that_the_configuration_has_got_since(tmp_path: Path) -> None:
+    """None may be dropped, a keep-out zone could be; more than these there cannot be."""
+    first = begun(tmp_path)
+    for number in range(MOST_ZONES):
+        first.put(circle(f"z{number}"))
+    second = ZonesInForce([circle(f"y{number}") for number in range(MOST_ZONES)], [""])
+    *said, last = second.restore(KeptZones(tmp_path / "zones"))
+    assert len(said) == MOST_ZONES
+    assert last == (
+        "200 zones: must be at most 100: all hold, and none is added before some are removed"
+    )
+    assert len(second.zones()) == 2 * MOST_ZONES
+    for zone in (circle("new"), circle("z7", x_m=2.0)):
+        with pytest.raises(MissionError, match="zones: must be at most 100"):
+            second.put(zone)
+    second.remove("z7")
+    second.undo()
+    assert len(second.zones()) == 2 * MOST_ZONES
 
 
 def test_a_change_that_cannot_be_kept_holds_and_says_so(tmp_path: Path) -> None:

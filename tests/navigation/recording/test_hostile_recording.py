@@ -5,22 +5,29 @@ They are written here by hand, from the MCAP, zstd and LZ4 specifications.
 
 from __future__ import annotations
 
+import json
 import resource
 import struct
 import subprocess
 import sys
 import zlib
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import lz4.frame
 import pytest
 import zstandard
+from mcap.reader import make_reader
 
 from navigation.recording.files import RecordingError
+from navigation.recording.json_bodies import CONFIGURATION, PLANS, REQUESTS, SCENES
 from navigation.recording.reader import bytes_field, decoded_picture, read_recording
 from navigation.recording.tape import read_tape
+from navigation.run.replay import replay
 from tests.support.files.png_pictures import chunk as png_chunk
 from tests.support.pictures import call
+from tests.support.runs.recordings import small_recording
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, UNKNOWN = 1, 2, 4, 5, 6, 9, 0x7F
@@ -231,6 +238,14 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
     assert len(str(refused.value).splitlines()) == 1
 
 
+def chunks_of(data: bytes) -> bytes:
+    """A recording up to the end of its last chunk."""
+    at = len(MAGIC)
+    while data[at] in (HEADER, CHUNK):
+        at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
+    return data[:at]
+
+
 @pytest.mark.parametrize(
     ("topic", "body"),
     [
@@ -242,7 +257,20 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
         (b"/clearway/scenes", b'{"captured_s": 0, "revision": 1e999, "carried": 0, "scene": ""}'),
         (b"/clearway/fleet/waits", b"[]"),
         (b"/clearway/fleet/waits", b'{"waits": 1}'),
+        (b"/clearway/fleet/waits", b'{"waits": 1, "waits_for": {}}'),
+        (b"/clearway/fleet/waits", b'{"waits": {"a": []}, "waits_for": {}}'),
         (b"/clearway/link", b"{"),
+        (b"/clearway/link/a", b"[]"),
+        (b"/clearway/link", b'{"executed": []}'),
+        (b"/clearway/link", b'{"state": []}'),
+        (b"/clearway/link", b'{"rtt_s": "1"}'),
+        (b"/clearway/link", b'{"rtt_s": 1e308}'),
+        (b"/clearway/link", b'{"sent": {"frames_sent": "x"}}'),
+        (b"/clearway/frames", b'{"captured_s": 1e308, "poses": []}'),
+        (
+            b"/clearway/frames",
+            b'{"captured_s": 1, "poses": [{"id": 1, "x_m": 1e308, "y_m": 0, "heading_rad": 0}]}',
+        ),
         (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": 7}'),
         (b"/clearway/zones", b'{"time_s": 1, "revision": 1, "zones": [{"name": "a"}]}'),
         (
@@ -255,11 +283,82 @@ def test_a_body_of_another_kind_is_said_in_one_sentence(tmp_path: Path, body: by
 def test_a_damaged_message_later_in_a_recording_is_said_in_one_sentence(
     jpeg: Path, tmp_path: Path, topic: bytes, body: bytes
 ) -> None:
-    data, at = jpeg.read_bytes(), len(MAGIC)
-    while data[at] in (HEADER, CHUNK):
-        at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
     file = tmp_path / "body.mcap"
-    file.write_bytes(data[:at] + channel(topic, 999) + message(body, 999))
+    file.write_bytes(chunks_of(jpeg.read_bytes()) + channel(topic, 999) + message(body, 999))
     with pytest.raises(RecordingError, match="cannot be read") as refused:
         read_tape(file)
     assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "path", [7, [[0.0, 1.0, 2.0]], [["a", "b"]], [[1e308, 0.0], [0.0, 0.0]], None]
+)
+def test_a_plan_whose_path_cannot_be_shown_is_said_in_one_sentence(
+    tmp_path: Path, path: object
+) -> None:
+    """The page showed nothing of the run while that plan held."""
+    data = small_recording()
+    found = {c.topic: m.data for _, c, m in make_reader(BytesIO(data)).iter_messages()}
+    asked, told = json.loads(found[REQUESTS]), json.loads(found[PLANS])
+    asked["request"]["id"] = told["id"] = 999
+    told["path"] = path
+    said = b""
+    for number, (topic, body) in enumerate(((REQUESTS, asked), (PLANS, told)), 900):
+        said += channel(topic.encode(), number) + message(json.dumps(body).encode(), number)
+    file = tmp_path / "plan.mcap"
+    file.write_bytes(chunks_of(data) + said)
+    with pytest.raises(RecordingError, match="cannot be read") as refused:
+        read_tape(file)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "says"),
+    [
+        ("arena", {"bounds_m": [0.0, 0.0, 0.0, 0.0]}, "arena.bounds_m: must be"),
+        (
+            "robots",
+            [{"name": "a", "marker_id": 1}, {"name": "a", "marker_id": 2}],
+            "robots[1].name: 'a' is the name of robots[0] already",
+        ),
+        (
+            "robots",
+            [{"name": "a", "marker_id": 1}, {"name": "b", "marker_id": 1}],
+            "robots[1].marker_id: 1 is robots[0] (a)'s already",
+        ),
+    ],
+)
+def test_a_configuration_that_cannot_be_replayed_is_said_in_one_sentence(
+    tmp_path: Path, section: str, value: Any, says: str
+) -> None:
+    found = {c.topic: m.data for _, c, m in make_reader(BytesIO(small_recording())).iter_messages()}
+    body = json.loads(found[CONFIGURATION])
+    config = body["config"]
+    config[section] = {**config[section], **value} if isinstance(value, dict) else value
+    file = tmp_path / "run.mcap"
+    file.write_bytes(whole(channel(), message(json.dumps(body).encode())))
+    with pytest.raises(RecordingError, match="cannot be read") as refused:
+        read_recording(file)
+    assert says in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+def test_a_recording_that_was_cut_before_its_first_scene_is_replayed(tmp_path: Path) -> None:
+    """The comparison of scenes ended with a traceback where there were none."""
+    data = small_recording()
+    topics: dict[str, int] = {}
+    said = b""
+    for _, one, sent in make_reader(BytesIO(data)).iter_messages():
+        if one.topic == SCENES:
+            break
+        if one.topic not in topics:
+            topics[one.topic] = len(topics) + 1
+            said += channel(one.topic.encode(), topics[one.topic])
+        times = struct.pack("<HIQQ", topics[one.topic], 0, sent.log_time, sent.publish_time)
+        said += record(MESSAGE, times + sent.data)
+    file = tmp_path / "cut.mcap"
+    file.write_bytes(MAGIC + record(HEADER, text(b"") + text(b"")) + said)
+    recording = read_recording(file)
+    assert recording.frames
+    assert recording.scenes == []
+    assert replay(recording).is_equal

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import Config
+from navigation.journal import kept_zones
 from navigation.journal.kept_stops import KeptStops
 from navigation.loop.daemon import Daemon
 from navigation.machine.logs import EventLog, RunLog
@@ -144,3 +145,28 @@ def test_where_the_stop_cannot_be_written_the_damage_stops_the_next_run(tmp_path
             again.cycle()
             assert again.robot.pilot.mission.state is State.STOPPED
             assert file.read_bytes() == b"torn"
+
+
+def test_a_damaged_file_that_cannot_be_put_aside_is_kept_and_changes_say_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The next change was written over it, and until then no answer said that it was not kept."""
+    monkeypatch.setattr(kept_zones, "MOST_ASIDE", 1)
+    file = tmp_path / "kept" / "journal.zones"
+    file.parent.mkdir()
+    file.write_bytes(b"torn")
+    file.with_name("journal.zones.damaged-1").write_bytes(b"before")
+    for _ in range(2):
+        with a_run(tmp_path) as again:
+            said = begin(again, tmp_path)
+            assert said[-1] == f"{file}: cannot be put aside: 1 files are kept already"
+            answer = again.people.put_zone(CORNER)
+            assert not answer["kept"]
+            assert "a restart would not know of this change" in answer["trouble"]
+            again.cycle()
+            assert answer["trouble"] in again.cycle().only.troubles
+        assert file.read_bytes() == b"torn"
+    file.unlink()
+    with a_run(tmp_path) as last:
+        begin(last, tmp_path)
+        assert "trouble" not in last.people.put_zone(CORNER)

@@ -230,9 +230,9 @@ class _Acting(RecordedPeople):
         self.orders.append(("remove_zone", name))
         self._daemon.zones.remove(name)
 
-    def undo_zone(self) -> None:
+    def undo_zone(self, seen: int | None) -> None:
         self.orders.append(("undo_zone",))
-        self._daemon.zones.undo()
+        self._daemon.zones.undo(seen)
 
     def describe(self, robot: str | None = None) -> Mapping[str, Any]:
         mission = self._daemon.mission

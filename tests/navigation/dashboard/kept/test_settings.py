@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from navigation.cli.setup.check import file_problems
+from navigation.config import Config
 from navigation.config.load import load_config
+from navigation.config.marks import Location
 from navigation.dashboard.settings import desk
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.dashboard.visits import RefusedError
 from navigation.mission.mission import State
+from navigation.shared.outside import REPLACEMENT
 from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
 from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
 
@@ -32,12 +36,15 @@ class Office:
         self.file.write_text(f"{self.file.read_text()}\ndashboard:\n  token: {SECRET}\n")
         self.reloads = 0
         self.state = folder / "state"
-        self.desk = Desk(
+        self.desk = self.made(file_problems)
+
+    def made(self, problems: Callable[[Config], Iterable[tuple[Location, str]]]) -> Desk:
+        return Desk(
             Around(
                 file=self.file,
                 state=self.state,
                 environment={},
-                file_problems=file_problems,
+                file_problems=problems,
                 devices=lambda: (["/dev/v4l/by-id/usb-a"], ["/dev/serial/by-id/usb-b"]),
                 reload=self._reload,
             )
@@ -110,6 +117,7 @@ def test_what_the_page_may_not_change_is_refused(office: Office, key: str) -> No
         ("camera.rate_hz", "fast", "must be a number"),
         ("camera.rate_hz", "-3", "> 0"),
         ("planning.margin", "lax", "must be one of relaxed, strict, not lax"),
+        ("planning.margin", "lax\nlax", f"strict, not lax{REPLACEMENT}lax"),
         ("camera.source", "/etc/passwd", "must be one of simulated, /dev/v4l/by-id/usb-a"),
         ("serial.port", "socket://example.org:80", "must be one of simulated"),
         ("arena.bounds_m", "0, 0, 2.4", "arena.bounds_m[3]: is missing"),
@@ -180,6 +188,58 @@ def test_an_undo_puts_no_earlier_text_over_what_somebody_else_has_changed(office
     assert office.desk.show()["earlier"] == 1
     office.desk.undo()
     assert office.file.read_text() == first
+
+
+def test_a_file_keeps_its_mode_its_line_ends_and_the_link_to_it(office: Office) -> None:
+    """A mode of 0600 became 0644, with the token in it; a link became a file."""
+    text = office.file.read_text()
+    real = office.file.with_name("real.yaml")
+    real.write_bytes(text.replace("\n", "\r\n").encode())
+    real.chmod(0o600)
+    before = real.read_bytes()
+    office.file.unlink()
+    office.file.symlink_to(real.name)
+    office.desk.save({"camera.rate_hz": "25"}, office.base)
+    assert office.file.is_symlink()
+    assert real.stat().st_mode & 0o777 == 0o600
+    saved = real.read_bytes()
+    assert set(before.split(b"\r\n")) - set(saved.split(b"\r\n")) == {b"  rate_hz: 30"}
+    assert saved.count(b"\n") == saved.count(b"\r\n")
+    office.desk.undo()
+    assert real.read_bytes() == before
+
+
+def test_a_file_that_may_not_be_written_is_left_as_it_is(
+    office: Office, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The name was given to a new file, which its folder allows."""
+    office.desk.save({"camera.rate_hz": "25"}, office.base)
+    before = office.file.read_text()
+    with monkeypatch.context() as read_only:
+        read_only.setattr(os, "access", lambda *_file, **_how: False)
+        with pytest.raises(RefusedError, match="cannot be written: Permission denied"):
+            office.desk.save({"camera.rate_hz": "20"}, office.base)
+    assert office.file.read_text() == before
+    assert office.desk.show()["earlier"] == 1, "the save before can be undone"
+    office.desk.undo()
+    assert load_config(office.file, {}).camera.rate_hz == 30.0
+
+
+def test_a_change_of_somebody_else_while_a_save_is_checked_is_not_written_over(
+    office: Office,
+) -> None:
+    base, text = office.base, office.file.read_text()
+
+    def edited_meanwhile(_config: Config) -> Iterator[Any]:
+        office.file.write_text(text + "# mine\n")
+        yield from ()
+
+    office.desk = office.made(edited_meanwhile)
+    with pytest.raises(RefusedError, match="changed by someone else since: read it again first"):
+        office.desk.save({"camera.rate_hz": "25"}, base)
+    assert office.file.read_text() == text + "# mine\n"
+    assert office.reloads == 0
+    assert office.desk.show()["earlier"] == 0
 
 
 def test_a_text_kept_by_an_earlier_version_is_not_put_back_but_counted(office: Office) -> None:
