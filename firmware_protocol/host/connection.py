@@ -149,12 +149,20 @@ class HostConnection:
         self._out.commands.want_clear()
         self._change(LinkEvent.MISSION_OVER, "the mission was cleared")
 
-    def lease(self, now_s: float, ttl_s: float, permit: bool, pose_age_s: float = math.inf) -> None:
-        """Send a lease once: the control loop lived at ``now_s``.
+    def lease(
+        self,
+        now_s: float,
+        ttl_s: float,
+        permit: bool,
+        pose_age_s: float = math.inf,
+        odometry: bool = False,
+    ) -> None:
+        """Send a lease once: the control loop lived at ``now_s``. ``odometry``: may drive without
+        poses.
 
         It expires ``ttl_s`` later by the robot's clock.
         """
-        flags = LeaseFlag.PERMIT if permit else LeaseFlag.NONE
+        flags = LeaseFlag(LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry)
         self._out.freshest.give_lease(Lease(ttl_s, flags, pose_age_s), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
