@@ -19,7 +19,7 @@ from navigation.config.several.each_robot import robots_of
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.calibrations import floor_plan_of, shown_calibration
-from navigation.run.simulated_camera import camera_over, others_of
+from navigation.run.simulated_camera import camera_over
 from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.without_pictures.looking import looking_of
@@ -83,10 +83,7 @@ class VirtualWorld:
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
-        others = others_of(config, self._tracks)
-        self.truths = {
-            name: Truth(self._arenas, body.robot, others) for name, body in self.bodies.items()
-        }
+        self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
         self._time = next(iter(self.bodies.values())).loop
         self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []

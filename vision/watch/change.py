@@ -61,7 +61,6 @@ class Change:
     """
 
     rectangles: tuple[Rectangle, ...]
-    area_px: int
     first: bool = False
     relit: bool = False
 
@@ -129,7 +128,7 @@ class SceneWatcher:
         self._pending_frames = 0
         self._frames = 0
         self._measure_tolerance()
-        return Change(((0, 0, width, height),), width * height, first=True)
+        return Change(((0, 0, width, height),), first=True)
 
     def _shrink(self, image: Image) -> _Cells:
         """Mean grey of each whole cell, float32; the cell's side is a power of two."""
@@ -258,8 +257,7 @@ class SceneWatcher:
         self._measure_tolerance()
         self._pending = np.zeros_like(self._pending)
         self._pending_frames = 0
-        area = int(np.count_nonzero(confirmed)) * self._cell_px**2
-        return Change(rectangles, area, relit=relit)
+        return Change(rectangles, relit=relit)
 
     def _rectangles(self, region: _Mask, image: Image) -> tuple[Rectangle, ...]:
         count, _, stats, _ = cv2.connectedComponentsWithStats(region, connectivity=8)
