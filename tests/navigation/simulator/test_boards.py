@@ -6,18 +6,16 @@ import cv2
 import numpy as np
 import pytest
 
-from navigation.config import Config, load_config
-from navigation.simulator.picture.boards import (
-    BoardPainter,
-    BoardPose,
-    PrintedBoard,
+from benchmarks.camera.calibration_pictures import (
+    Stage,
     board_pictures,
     flat_pose,
     held_poses,
     measured_discs,
     survey_picture,
 )
-from navigation.simulator.picture.drawing import Appearance
+from navigation.config import Config, load_config
+from navigation.simulator.picture.boards import BoardPose, PrintedBoard
 from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
 from vision.camera.camera import Image
@@ -33,8 +31,8 @@ def config() -> Config:
 
 
 @pytest.fixture(scope="module")
-def painter(config: Config) -> BoardPainter:
-    return BoardPainter(pinhole_of(config), Appearance(), BOARD, Scene("m", BOUNDS, ()))
+def stage(config: Config) -> Stage:
+    return Stage(config, BOARD, Scene("m", BOUNDS, ()))
 
 
 def _found(picture: Image) -> tuple[FloatArray, FloatArray]:
@@ -56,23 +54,22 @@ def _errors_px(config: Config, pose: BoardPose, picture: Image) -> FloatArray:
     return seen - pinhole_of(config).image_from_arena(in_space + pose.origin_m)
 
 
-def test_a_board_on_the_floor_is_where_it_was_laid(config: Config, painter: BoardPainter) -> None:
+def test_a_board_on_the_floor_is_where_it_was_laid(config: Config, stage: Stage) -> None:
     pose = flat_pose(0.8, 0.6)
-    errors = _errors_px(config, pose, painter.picture(pose, np.random.default_rng(0)))
+    errors = _errors_px(config, pose, stage.picture(pose))
     assert np.sqrt((errors**2).mean()) < 0.1
     assert np.abs(errors.mean(axis=0)).max() < 0.05
 
 
-def test_held_boards_are_seen_where_they_are_held(config: Config, painter: BoardPainter) -> None:
-    rng = np.random.default_rng(1)
-    for pose in held_poses(painter, BOUNDS, BOARD, 4):
-        errors = _errors_px(config, pose, painter.picture(pose, rng))
+def test_held_boards_are_seen_where_they_are_held(config: Config, stage: Stage) -> None:
+    for pose in held_poses(stage, BOUNDS, BOARD, 4):
+        errors = _errors_px(config, pose, stage.picture(pose))
         assert np.sqrt((errors**2).mean()) < 0.15
         assert np.abs(errors.mean(axis=0)).max() < 0.08
 
 
-def test_held_boards_are_tilted_and_all_over_the_picture(painter: BoardPainter) -> None:
-    poses = list(held_poses(painter, BOUNDS, BOARD, 24))
+def test_held_boards_are_tilted_and_all_over_the_picture(stage: Stage) -> None:
+    poses = list(held_poses(stage, BOUNDS, BOARD, 24))
     tilts = [np.degrees(np.arccos(pose.arena_from_board[2, 2])) for pose in poses]
     middles = np.array([pose.origin_m + pose.arena_from_board @ [0.4, 0.3, 0.0] for pose in poses])
     assert min(tilts) > 10
