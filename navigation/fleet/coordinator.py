@@ -41,8 +41,8 @@ from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.late_pictures import WORTH_A_PLAN
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.targets import within_caps
+from planner.borders.polyline import distance_to_polyline
 from planner.path import NoPath
 from planner.scene import FloatArray
 

@@ -39,7 +39,7 @@ from navigation.fleet.request import (
     Traveller,
 )
 from navigation.fleet.rounding import CutTrack, rounded
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before

@@ -18,7 +18,7 @@ from navigation.fleet.releases import Held
 from navigation.fleet.request import Promise, Taken
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline
 from planner.path import Limits, Path
 from planner.scene import FloatArray
 

@@ -13,7 +13,7 @@ from navigation.fleet.releases import Held, release_of
 from navigation.fleet.request import FleetRequest, Promise
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline
 from planner.scene import FloatArray
 
 ON_TRACK_M: Final = 0.02
