@@ -142,8 +142,7 @@ def _rings(zone: Zone, screen: Screen) -> list[FloatArray]:
     return [
         screen.points(ring)
         for one in zone.area.outlines(y_down=screen.y_down)
-        for border in (one.records, *one.holes)
-        for ring in ring_points(border, screen.y_down)
+        for ring in ring_points(one, screen.y_down)
     ]
 
 
