@@ -17,14 +17,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from navigation.fleet.members import NEARER_M, SEEN_S, TOUCH_M, Member
-from navigation.fleet.orders import ahead
+from navigation.fleet.orders import TrafficOrders, ahead
 from navigation.fleet.releases import Held
 from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -67,18 +67,6 @@ class Aside:
     targets: int
 
 
-@dataclass(frozen=True, slots=True)
-class GivesWay:
-    """Results of one cycle."""
-
-    plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to leave their paths and ask, and why."""
-    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
-    errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots that have to leave their places, and come back to them."""
-    holds: Mapping[str, str] = field(default_factory=dict)
-
-
 class GivingWay:
     """Robots that drive aside."""
 
@@ -94,7 +82,7 @@ class GivingWay:
         held: Mapping[str, Held],
         asking: Mapping[str, PlanRequest],
         runaways: Sequence[Runaway],
-    ) -> GivesWay:
+    ) -> TrafficOrders:
         """Run one cycle by the rules above; ``asking`` are the open requests."""
         for name, driven in list(self.aside.items()):
             one = members[name]
@@ -102,7 +90,7 @@ class GivingWay:
             if asks or one.state not in (State.DRIVING, State.PLANNING):
                 del self.aside[name]
         if not runaways:
-            return GivesWay()
+            return TrafficOrders()
         again: list[tuple[str, str]] = []
         answers: dict[str, PlanAnswer] = {}
         errands: dict[str, Station] = {}
@@ -139,7 +127,7 @@ class GivingWay:
                     errands[name] = Station(*one.pose)
                 else:
                     again.append((name, f"{stands.sentence}: driving aside"))
-        return GivesWay(tuple(again), answers, errands, holds)
+        return TrafficOrders(tuple(again), answers=answers, errands=errands, holds=holds)
 
     def _line_aside(
         self,
