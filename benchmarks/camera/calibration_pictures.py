@@ -20,12 +20,14 @@ import cv2
 import numpy as np
 
 from navigation.config import Config, load_config
-from navigation.simulator.picture.boards import BoardPainter, BoardPose, PrintedBoard
+from navigation.simulator.picture.boards import BoardPainter, BoardPose
 from navigation.simulator.picture.drawing import Appearance
 from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
+from vision.calibrate.board import BoardSpec
 from vision.camera.camera import Image
 
+BOARD = BoardSpec("charuco", 8, 6, 0.1, 0.075, "DICT_5X5_100")
 FLOOR_AT_M = (0.8, 0.6)
 """Place of the board's lower left corner in the picture of the floor."""
 SURVEY_GRID = (4, 3)
@@ -38,7 +40,7 @@ SURVEY_DISC_M = 0.02
 class Stage:
     """The configuration's camera over a scene, with a board; all noise comes from its seed."""
 
-    def __init__(self, config: Config, board: PrintedBoard, scene: Scene) -> None:
+    def __init__(self, config: Config, board: BoardSpec, scene: Scene) -> None:
         assert config.simulation is not None
         lens = config.simulation.camera
         look = Appearance(lens.blur_px, lens.noise_grey, lens.light_fall)
@@ -63,9 +65,7 @@ def flat_pose(x_m: float, y_m: float) -> BoardPose:
     return BoardPose(np.eye(3), np.array([x_m, y_m, 0.0]))
 
 
-def held_poses(
-    stage: Stage, bounds: Bounds, board: PrintedBoard, count: int
-) -> Iterator[BoardPose]:
+def held_poses(stage: Stage, bounds: Bounds, board: BoardSpec, count: int) -> Iterator[BoardPose]:
     """Yield poses of a board over the arena, throughout the picture and in all tilts."""
     width, height = board.size_m
     rng = np.random.default_rng(count)
@@ -84,7 +84,7 @@ def held_poses(
 
 
 def board_pictures(
-    config: Config, board: PrintedBoard, count: int = 24
+    config: Config, board: BoardSpec, count: int = 24
 ) -> Iterator[tuple[str, Image]]:
     """Yield names and pictures: ``count`` of the held board, one with it on the floor."""
     bounds = Bounds(*config.arena.bounds_m)
@@ -94,7 +94,7 @@ def board_pictures(
     yield "floor.png", stage.picture(flat_pose(*FLOOR_AT_M))
 
 
-def survey_picture(config: Config, board: PrintedBoard) -> tuple[Image, FloatArray]:
+def survey_picture(config: Config, board: BoardSpec) -> tuple[Image, FloatArray]:
     """Return a picture of discs on the floor, and their centres' surveyed places (n, 2).
 
     Places are row by row from the lower left.
@@ -140,9 +140,9 @@ def main() -> None:
     """Write the pictures and the survey."""
     config, folder = load_config(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, picture in board_pictures(config, PrintedBoard()):
+    for name, picture in board_pictures(config, BOARD):
         cv2.imwrite(str(folder / name), picture)
-    picture, places = survey_picture(config, PrintedBoard())
+    picture, places = survey_picture(config, BOARD)
     cv2.imwrite(str(folder / "survey.png"), picture)
     lines = [
         f"{px:.3f},{py:.3f},{x:.4f},{y:.4f}"

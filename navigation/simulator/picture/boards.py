@@ -17,45 +17,12 @@ from navigation.simulator.picture.drawing import (
 )
 from navigation.simulator.picture.pinhole import Pinhole
 from planner.scene import FloatArray, Scene
+from vision.calibrate.board import BoardSpec
 from vision.camera.camera import Image
-from vision.markers.marker_search import dictionary_by_name
 
 TEXELS_PER_SQUARE = 200
 BOARD_SAMPLES = 4
 PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
-
-
-@dataclass(frozen=True, slots=True)
-class PrintedBoard:
-    """A ChArUco board: squares across and down, their side and the markers', the family.
-
-    A chessboard if ``dictionary`` is empty.
-    """
-
-    columns: int = 8
-    rows: int = 6
-    square_m: float = 0.1
-    marker_m: float = 0.075
-    dictionary: str = "DICT_5X5_100"
-
-    @property
-    def size_m(self) -> tuple[float, float]:
-        """Width and height of the sheet."""
-        return self.columns * self.square_m, self.rows * self.square_m
-
-    def opencv(self) -> cv2.aruco.CharucoBoard:
-        """OpenCV's object for a ChArUco board."""
-        dictionary = dictionary_by_name(self.dictionary)
-        shape = (self.columns, self.rows)
-        return cv2.aruco.CharucoBoard(shape, self.square_m, self.marker_m, dictionary)
-
-    def sheet(self, size_px: tuple[int, int]) -> Image:
-        """Return the print (height, width), black on white; ``size_px`` is width and height."""
-        if self.dictionary:
-            return np.asarray(self.opencv().generateImage(size_px), dtype=np.uint8)
-        dark = np.add.outer(np.arange(self.rows), np.arange(self.columns)) % 2 == 0
-        cells = np.where(dark, 0, 255).astype(np.uint8)
-        return np.asarray(cv2.resize(cells, size_px, interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,18 +37,25 @@ class BoardPose:
     origin_m: FloatArray
 
 
+def printed(board: BoardSpec) -> Image:
+    """Return the print (height, width), black on white, of the squares alone."""
+    columns, rows = board.inner
+    size_px = ((columns + 1) * TEXELS_PER_SQUARE, (rows + 1) * TEXELS_PER_SQUARE)
+    if board.kind == "charuco":
+        return np.asarray(board.charuco().generateImage(size_px), dtype=np.uint8)
+    dark = np.add.outer(np.arange(rows + 1), np.arange(columns + 1)) % 2 == 0
+    cells = np.where(dark, 0, 255).astype(np.uint8)
+    return np.asarray(cv2.resize(cells, size_px, interpolation=cv2.INTER_NEAREST), np.uint8)
+
+
 class BoardPainter:
     """Painter of a board anywhere over the arena."""
 
-    def __init__(
-        self, pinhole: Pinhole, look: Appearance, board: PrintedBoard, scene: Scene
-    ) -> None:
+    def __init__(self, pinhole: Pinhole, look: Appearance, board: BoardSpec, scene: Scene) -> None:
         self._pinhole, self._look, self._board = pinhole, look, board
         self._painter = ArenaPainter(pinhole, look)
         self._background = self._painter.picture(scene)
-        size = (board.columns * TEXELS_PER_SQUARE, board.rows * TEXELS_PER_SQUARE)
-        print_ = board.sheet(size)
-        grey = np.where(print_ > 127, PAPER_WHITE, PAPER_BLACK).astype(np.uint8)
+        grey = np.where(printed(board) > 127, PAPER_WHITE, PAPER_BLACK).astype(np.uint8)
         self._texture = np.dstack([grey, np.full_like(grey, 255)])
 
     def clean(self, pose: BoardPose, samples: int = BOARD_SAMPLES) -> FloatImage:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from benchmarks.camera.calibration_pictures import (
+    BOARD,
     Stage,
     board_pictures,
     flat_pose,
@@ -15,14 +18,13 @@ from benchmarks.camera.calibration_pictures import (
     survey_picture,
 )
 from navigation.config import Config, load_config
-from navigation.simulator.picture.boards import BoardPose, PrintedBoard
+from navigation.simulator.picture.boards import BoardPose, printed
 from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
 from vision.camera.camera import Image
 from vision.markers.marker_search import MarkerError
 
 BOUNDS = Bounds(0.0, 0.0, 2.4, 1.8)
-BOARD = PrintedBoard()
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +39,7 @@ def stage(config: Config) -> Stage:
 
 def _found(picture: Image) -> tuple[FloatArray, FloatArray]:
     """The inner corners' places on the board (n, 2), y up the print, and in the picture."""
-    detector = cv2.aruco.CharucoDetector(BOARD.opencv())
+    detector = cv2.aruco.CharucoDetector(BOARD.charuco())
     corners, ids, _, _ = detector.detectBoard(picture)
     assert ids is not None
     across = BOARD.columns - 1
@@ -93,9 +95,7 @@ def test_discs_on_surveyed_places_are_measured_to_a_fraction_of_a_pixel(config: 
 
 
 def test_a_dictionary_goes_by_any_of_its_names_and_an_unknown_one_is_said() -> None:
-    long, short = (
-        PrintedBoard(dictionary=name).sheet((160, 120)) for name in ("DICT_5X5_100", "5x5_100")
-    )
+    long, short = (printed(replace(BOARD, dictionary=name)) for name in ("DICT_5X5_100", "5x5_100"))
     assert (long == short).all()
     with pytest.raises(MarkerError, match="marker dictionary 'DICT_5X5' is unknown; did you mean"):
-        PrintedBoard(dictionary="DICT_5X5").opencv()
+        replace(BOARD, dictionary="DICT_5X5").charuco()
