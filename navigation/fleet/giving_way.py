@@ -30,6 +30,7 @@ from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.targets import STEERED_RAD, Target
+from planner.borders.polyline import arc_lengths, length_of
 from planner.path import Path
 from planner.scene import FloatArray
 from planner.zones.rules import Rules
@@ -197,7 +198,7 @@ class GivingWay:
         path = Path(
             points=points,
             clearances=clearances,
-            length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
+            length=length_of(points),
             min_clearance=clearance_m,
             min_clearance_at=(first[0], first[1]),
             robot_radius=one.radius_m,
@@ -253,8 +254,7 @@ def _standing(one: Member) -> FloatArray:
 
 def _driving_on(one: Member, way: FloatArray) -> FloatArray:
     """Positions along its path (n >= 1, 2), driven as fast as it can."""
-    steps = np.hypot(*np.diff(way, axis=0).T)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = arc_lengths(way)
     gone = _gone(np.array([along[-1]]), np.zeros(1), _speed(one), one)[0]
     return np.column_stack([np.interp(gone, along, way[:, k]) for k in range(2)])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.targets import Target
-from planner.borders.polyline import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline, length_of
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
 
@@ -60,7 +60,7 @@ class RunningPlan:
         if len(left) == 0:
             return None
         points = np.vstack([[place_m], left])
-        return float(np.hypot(*np.diff(points, axis=0).T).sum())
+        return length_of(points)
 
     def deviation_m(self, place_m: tuple[float, float] | None) -> float | None:
         """Distance of a place from the path; None if either is missing."""

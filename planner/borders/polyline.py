@@ -1,4 +1,4 @@
-"""Polylines: length along them, distances to them, and fewer vertices within a tolerance."""
+"""Polylines: length along them, places and distances to them, and fewer vertices."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import polyline_kernels as kernels
-from planner.scene import FloatArray, IntArray
+from planner.scene import FloatArray, IntArray, Vec
 
 TINY: Final = float(np.finfo(float).tiny)
+
+
+def length_of(points: FloatArray) -> float:
+    """Length of the (n, 2) polyline, 0 for a single point."""
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
 def arc_lengths(points: FloatArray) -> FloatArray:
@@ -35,6 +40,18 @@ def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatA
     found[at >= lengths[-1]] = points[-1]
     found[at <= lengths[0]] = points[0]
     return found
+
+
+def nearest_length(
+    points: FloatArray, lengths: FloatArray, place: Vec, least: float = 0.0
+) -> float:
+    """Length, at least ``least``, along the polyline at its point nearest to the place."""
+    a, step = points[:-1], np.diff(points, axis=0)
+    squared = np.maximum((step**2).sum(axis=1), 1e-300)
+    part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
+    at = np.maximum(lengths[:-1] + part * np.diff(lengths), least)
+    away = np.hypot(*(points_at(points, lengths, at) - place).T)
+    return float(at[np.argmin(away)])
 
 
 def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
