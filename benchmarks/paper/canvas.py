@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -100,7 +100,8 @@ class Panel:
     def scene(self, scene: Scene, opacity: float = 1.0) -> None:
         """The scene's objects, dark; ``opacity`` lets lines inside them show."""
         for obj in scene.objects:
-            rings = [self.screen.points(r) for r in ring_points(obj.records, scene.y_down)]
+            filled = replace(obj, holes=())
+            rings = [self.screen.points(r) for r in ring_points(filled, scene.y_down)]
             if rings:
                 self.draw(Area(tuple(rings), OBSTACLE, opacity, OBSTACLE_EDGE))
 

@@ -24,12 +24,11 @@ from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.mission import Station
-from navigation.run.troubled_camera import CameraTroubles
 from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.virtual_loop import VirtualLoop
+from tests.support.runs.troubled_world import CameraTroubles, TroubledWorld
 
 # fmt: off
 CALLS: Final = frozenset((
@@ -116,7 +115,7 @@ def _stage_of(daemon: Daemon) -> Stage:
     )
 
 
-class _NotedWorld(VirtualWorld):
+class _NotedWorld(TroubledWorld):
     def __init__(self, trace: Trace, *given: Any, **named: Any) -> None:
         super().__init__(*given, **named)
         self._trace, trace.clock = trace, self.clock

@@ -2,7 +2,7 @@
 
 - `picture` collects the contents of a picture and saves it.
 - `layers` draws the plot from the floor up, with `driven`, `robot_marks`, `zones` and `numbers`;
-  `places` keeps words off lines, `outlines` turns borders into lines.
+  `outlines` turns borders into lines.
 - `legend` draws the legend and the scale beside the plot.
 - `shapes` holds the flat shapes and colours; `svg` and `png` write them down.
 - `overlay` draws the records of a scene over the picture they were found in.

@@ -161,11 +161,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
 
 def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
     for obj in scene.objects:
-        rings = [
-            screen.points(ring)
-            for border in (obj.records, *obj.holes)
-            for ring in ring_points(border, scene.y_down)
-        ]
+        rings = [screen.points(ring) for ring in ring_points(obj, scene.y_down)]
         if rings:
             yield Area(tuple(rings), OBSTACLE, stroke=OBSTACLE_EDGE)
         for record in obj.records:

@@ -12,9 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.places import distance_to_line
 from navigation.draw.shapes import INK, OTHER_PATH_INK, PAGE, Colour, Label, Screen
-from planner.borders.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, distances_to_polyline, points_at
 from planner.path import Path
 from planner.scene import FloatArray
 from planner.shared.figures import sized
@@ -91,10 +90,10 @@ def costs(path: Path, units: str, screen: Screen) -> Iterator[Label]:
         places = points_at(line, lengths, np.linspace(0.0, lengths[-1], LOOKED_AT)[1:-1])
         beside = [way for k, way in enumerate(lines) if k != number and len(way) > 1]
         text = f"{number}: cost {sized(other.cost, units)}"
-        half = np.array((0.5 * 7.5 * len(text), 0.0))
+        ends = np.outer((-1.0, 0.0, 1.0), (0.5 * 7.5 * len(text), 0.0))
         room = [
             min(
-                *(distance_to_line(place + k * half, way) for way in beside for k in (-1, 0, 1)),
+                *(distances_to_polyline(way, place + ends).min() for way in beside),
                 *(2.0 * abs(float(place[1] - label[1])) for label in taken),
                 60.0,
             )

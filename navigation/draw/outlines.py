@@ -24,9 +24,9 @@ ARC_STEP_RAD: Final = math.radians(3.0)
 """Chosen: a circle looks round."""
 
 
-def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArray]:
-    """Yield the closed borders among the records as (n, 2) rings."""
-    for record in records:
+def ring_points(thing: SceneObject, y_down: bool) -> Iterator[FloatArray]:
+    """Yield the closed borders of an object and its holes as (n, 2) rings."""
+    for record in object_records(thing):
         if isinstance(record, PolygonRecord | CircleRecord):
             yield chain_points(record, y_down)
 

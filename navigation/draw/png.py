@@ -65,7 +65,7 @@ def _draw(canvas: Canvas, shape: Shape) -> None:
         case Strokes(lines, colour, width, _, dash):
             pieces = [p for line in lines for p in _dashes(line, dash)]
             _polylines(target, pieces, colour, width)
-        case DiscShape():
+        case DiscShape(motion=None):
             _disc(target, shape)
         case Label():
             _text(target, shape)

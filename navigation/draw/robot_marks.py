@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from navigation.draw.places import distance_to_line
 from navigation.draw.shapes import Colour, Label, Screen, Strokes
+from planner.borders.polyline import distances_to_polyline
 from planner.scene import FloatArray
 
 
@@ -47,7 +47,7 @@ def name_beside(
         reach = (0.5 * width + 4.0, 8.0)
         if (middle - reach < low).any() or (middle + reach > high).any():
             continue
-        off = distance_to_line(middle, path) if len(path) > 1 else math.inf
+        off = distances_to_polyline(path, middle[None])[0] if len(path) > 1 else math.inf
         if min(off, 0.5 * width + 8.0) > room:
             best, room = place, min(off, 0.5 * width + 8.0)
     return Label(best[0], best[1], name, 14.0, colour, best[2], bold=True, halo=True)

@@ -82,8 +82,17 @@ class Strokes:
 
 
 @dataclass(frozen=True, slots=True)
+class Motion:
+    """A disc's places (n, 2), each at a share of a film of ``film_s`` seconds, which repeats."""
+
+    places: FloatArray
+    shares: FloatArray
+    film_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class DiscShape:
-    """A circle, filled, stroked or both."""
+    """A circle, filled, stroked or both; one with a ``motion`` is in films only."""
 
     x: float
     y: float
@@ -92,6 +101,7 @@ class DiscShape:
     stroke: Colour | None = None
     width: float = 1.0
     opacity: float = 1.0
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from navigation.draw.shapes import (
     DiscShape,
     Drawing,
     Label,
+    Motion,
     Photo,
     Shape,
     Strokes,
@@ -68,17 +69,29 @@ def _element(shape: Shape) -> str:
                 f'<path d="{data}" fill="none" stroke="{_hex(colour)}"'
                 f' stroke-width="{width:.4g}"{_opacity(opacity)}{dashes}/>'
             )
-        case DiscShape(x, y, radius, disc_fill, stroke, width, opacity):
+        case DiscShape(x, y, radius, disc_fill, stroke, width, opacity, motion):
             edge = f' stroke="{_hex(stroke)}" stroke-width="{width:.4g}"' if stroke else ""
             inside = _hex(disc_fill) if disc_fill else "none"
             return (
                 f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.2f}" fill="{inside}"'
-                f"{edge}{_opacity(opacity)}/>"
+                f"{edge}{_opacity(opacity)}{_moving(motion, x, y) if motion else '/>'}"
             )
         case Label():
             return _text(shape)
         case Photo():
             return _photo(shape)
+
+
+def _moving(motion: Motion, x: float, y: float) -> str:
+    """End of a circle at (x, y) that moves (SMIL), and waits in its last place."""
+    values = [f"{a:.1f},{b:.1f}" for a, b in (motion.places - (x, y)).tolist()]
+    times = ["0", *(f"{share:.5f}" for share in motion.shares[1:].tolist())]
+    placed, timed = ";".join([*values, values[-1]]), ";".join([*times, "1"])
+    return (
+        '><animateTransform attributeName="transform" type="translate"'
+        f' dur="{motion.film_s:.3f}s" repeatCount="indefinite" calcMode="linear"'
+        f' values="{placed}" keyTimes="{timed}"/></circle>'
+    )
 
 
 def _photo(photo: Photo) -> str:

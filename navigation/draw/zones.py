@@ -19,7 +19,7 @@ import numpy as np
 from navigation.draw.numbers import obstacle_labels
 from navigation.draw.outlines import chain_points, ring_points
 from navigation.draw.shapes import Area, Colour, Screen, Shape, Strokes
-from planner.borders.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, distances_to_polyline, points_at
 from planner.scene import FloatArray
 from planner.shared.figures import sized
 from planner.zones.areas import BandArea
@@ -142,8 +142,7 @@ def _rings(zone: Zone, screen: Screen) -> list[FloatArray]:
     return [
         screen.points(ring)
         for one in zone.area.outlines(y_down=screen.y_down)
-        for border in (one.records, *one.holes)
-        for ring in ring_points(border, screen.y_down)
+        for ring in ring_points(one, screen.y_down)
     ]
 
 
@@ -153,9 +152,9 @@ def _band_edges(band: BandArea, screen: Screen) -> Iterator[FloatArray]:
     for number, outline in enumerate(band.outlines(y_down=screen.y_down)):
         ring = _densely(chain_points(outline.records[0], screen.y_down), EDGE_STEP * band.width)
         shown = np.ones(len(ring), dtype=np.bool_)
-        for other, (a, b) in enumerate(pieces):
+        for other, piece in enumerate(pieces):
             if other != number:
-                shown &= _distances(ring, a, b) >= (0.5 - SAG) * band.width
+                shown &= distances_to_polyline(np.array(piece), ring) >= (0.5 - SAG) * band.width
         cuts = np.flatnonzero(~shown)
         for part in np.split(np.arange(len(ring)), cuts):
             kept = part[shown[part]]
@@ -168,13 +167,6 @@ def _densely(ring: FloatArray, step: float) -> FloatArray:
     lengths = arc_lengths(line)
     at = np.union1d(lengths, np.arange(0.0, lengths[-1], step))
     return points_at(line, lengths, at)
-
-
-def _distances(places: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
-    """Distance of each place (n, 2) from the segment a to b."""
-    along = b - a
-    share = np.clip((places - a) @ along / (along @ along), 0.0, 1.0)
-    return np.asarray(np.hypot(*(places - a - share[:, None] * along).T))
 
 
 def _hatching(rings: Sequence[FloatArray], distance: float, angle_deg: float) -> list[FloatArray]:

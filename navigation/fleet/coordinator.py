@@ -28,7 +28,7 @@ from navigation.fleet.giving_way import GivingWay, RulesOf, no_rules
 from navigation.fleet.members import Member, comes_too_near, line_kept, why_nobody_moves
 from navigation.fleet.orders import (
     ON_TRACK_M,
-    FleetOrders,
+    TrafficOrders,
     ahead,
     holds_of,
     is_seen_there,
@@ -41,8 +41,8 @@ from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.late_pictures import WORTH_A_PLAN
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.targets import within_caps
+from planner.borders.polyline import distance_to_polyline
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -88,7 +88,7 @@ class Coordinator:
         revision: int,
         answer: FleetAnswer | None,
         zones_since: int = 0,
-    ) -> FleetOrders:
+    ) -> TrafficOrders:
         """Run one cycle by the rules above; the zones hold since revision ``zones_since``."""
         self._follow(members)
         answers: dict[str, PlanAnswer] = {}
@@ -138,7 +138,7 @@ class Coordinator:
         lines = {name: one.points[1:] for name, one in self._giving_way.aside.items()}
         runaways = [one.name for one in self._runaways]
         holds = holds_of(members, self.held, lines, runaways) | dict(aside.holds)
-        return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
+        return TrafficOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:
         """Void a robot's promise: all are planned again."""

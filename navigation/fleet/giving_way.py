@@ -17,19 +17,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from navigation.fleet.members import NEARER_M, SEEN_S, TOUCH_M, Member
-from navigation.fleet.orders import ahead
+from navigation.fleet.orders import TrafficOrders, ahead
 from navigation.fleet.releases import Held
 from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.targets import STEERED_RAD, Target
+from planner.borders.polyline import arc_lengths, length_of
 from planner.path import Path
 from planner.scene import FloatArray
 from planner.zones.rules import Rules
@@ -67,18 +68,6 @@ class Aside:
     targets: int
 
 
-@dataclass(frozen=True, slots=True)
-class GivesWay:
-    """Results of one cycle."""
-
-    plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to leave their paths and ask, and why."""
-    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
-    errands: Mapping[str, Station] = field(default_factory=dict)
-    """Robots that have to leave their places, and come back to them."""
-    holds: Mapping[str, str] = field(default_factory=dict)
-
-
 class GivingWay:
     """Robots that drive aside."""
 
@@ -94,7 +83,7 @@ class GivingWay:
         held: Mapping[str, Held],
         asking: Mapping[str, PlanRequest],
         runaways: Sequence[Runaway],
-    ) -> GivesWay:
+    ) -> TrafficOrders:
         """Run one cycle by the rules above; ``asking`` are the open requests."""
         for name, driven in list(self.aside.items()):
             one = members[name]
@@ -102,7 +91,7 @@ class GivingWay:
             if asks or one.state not in (State.DRIVING, State.PLANNING):
                 del self.aside[name]
         if not runaways:
-            return GivesWay()
+            return TrafficOrders()
         again: list[tuple[str, str]] = []
         answers: dict[str, PlanAnswer] = {}
         errands: dict[str, Station] = {}
@@ -139,7 +128,7 @@ class GivingWay:
                     errands[name] = Station(*one.pose)
                 else:
                     again.append((name, f"{stands.sentence}: driving aside"))
-        return GivesWay(tuple(again), answers, errands, holds)
+        return TrafficOrders(tuple(again), answers=answers, errands=errands, holds=holds)
 
     def _line_aside(
         self,
@@ -209,7 +198,7 @@ class GivingWay:
         path = Path(
             points=points,
             clearances=clearances,
-            length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
+            length=length_of(points),
             min_clearance=clearance_m,
             min_clearance_at=(first[0], first[1]),
             robot_radius=one.radius_m,
@@ -265,8 +254,7 @@ def _standing(one: Member) -> FloatArray:
 
 def _driving_on(one: Member, way: FloatArray) -> FloatArray:
     """Positions along its path (n >= 1, 2), driven as fast as it can."""
-    steps = np.hypot(*np.diff(way, axis=0).T)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = arc_lengths(way)
     gone = _gone(np.array([along[-1]]), np.zeros(1), _speed(one), one)[0]
     return np.column_stack([np.interp(gone, along, way[:, k]) for k in range(2)])
 

@@ -39,7 +39,7 @@ from navigation.fleet.request import (
     Traveller,
 )
 from navigation.fleet.rounding import CutTrack, rounded
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import arc_lengths, distance_to_polyline
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before
@@ -240,9 +240,7 @@ def _promised(here: Roadmap, party: _Party, sizes: Sequence[float]) -> FleetSche
 
 def _timed(one: Driving) -> FloatArray:
     points = one.promise.points[one.executed :]
-    steps_m = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
-    times_s = np.concatenate([[0.0], np.cumsum(steps_m)]) / one.limits.speed
-    return np.column_stack([times_s, points])
+    return np.column_stack([arc_lengths(points) / one.limits.speed, points])
 
 
 def _sizes(here: Roadmap, party: _Party) -> list[float]:

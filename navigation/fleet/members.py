@@ -12,13 +12,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-
 from navigation.fleet.releases import Held
 from navigation.fleet.request import Promise, Taken
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline, length_of
 from planner.path import Limits, Path
 from planner.scene import FloatArray
 
@@ -126,7 +124,7 @@ def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) ->
     """
     radius_m = members[name].radius_m
     x_m, y_m = way[0].tolist()
-    length_m = float(np.hypot(*np.diff(way, axis=0).T).sum())
+    length_m = length_of(way)
     for other, one in members.items():
         if other == name or one.pose is None:
             continue

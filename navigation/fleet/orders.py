@@ -10,10 +10,10 @@ import numpy as np
 
 from navigation.fleet.members import Member, comes_too_near, why_nobody_moves
 from navigation.fleet.releases import Held, release_of
-from navigation.fleet.request import FleetRequest, Promise
+from navigation.fleet.request import FleetRequest, Promise, Request
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import State, Station
-from navigation.mission.running_plan import distance_to_polyline
+from planner.borders.polyline import distance_to_polyline
 from planner.scene import FloatArray
 
 ON_TRACK_M: Final = 0.02
@@ -21,12 +21,12 @@ ON_TRACK_M: Final = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class FleetOrders:
-    """Results of one cycle."""
+class TrafficOrders:
+    """Results of one cycle for the planner, and for robots by name."""
 
     plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to stop and ask, and why."""
-    request: FleetRequest | None = None
+    """Robots that are to leave their paths and ask, and why."""
+    request: Request | None = None
     answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
     """For the pilots."""
     waits: Mapping[str, str] = field(default_factory=dict)

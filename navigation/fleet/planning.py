@@ -32,6 +32,7 @@ from navigation.fleet.request import (
 from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
 from navigation.mission.targets import Target, drop_steered_heading, within_caps
+from planner.borders.polyline import arc_lengths, length_of
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.fleet.no_waiting import wait_before
@@ -282,7 +283,7 @@ def make_promise(
             dwell_s=[0.0, one.station.dwell_s],
             speed_limits=rules.speed_limits,
         )
-    targets = _targets(points, _lengths(smooth)[at], trajectory, one.station, one.limits)
+    targets = _targets(points, arc_lengths(smooth)[at], trajectory, one.station, one.limits)
     targets = within_caps((float(points[0, 0]), float(points[0, 1])), targets, rules)
     return Promise(
         one.name,
@@ -313,7 +314,7 @@ def path_of(roadmap: Roadmap, points: FloatArray, one: Traveller) -> Path:
     return Path(
         points=points,
         clearances=clearances,
-        length=float(np.hypot(*np.diff(points, axis=0).T).sum()) if len(points) > 1 else 0.0,
+        length=length_of(points),
         min_clearance=least,
         min_clearance_at=at,
         robot_radius=one.radius_m,
@@ -339,7 +340,7 @@ def _targets(
         return (end,)
     way = np.array([(w.x, w.y) for w in trajectory.waypoints])
     speeds = np.array([w.speed for w in trajectory.waypoints])
-    along_way = _lengths(way)
+    along_way = arc_lengths(way)
     along_way *= along[-1] / max(along_way[-1], 1e-12)
     at = np.interp(along, along_way, speeds)
     targets = [
@@ -347,10 +348,6 @@ def _targets(
         for (px, py), v in zip(points[1:-1].tolist(), at[1:-1].tolist(), strict=True)
     ]
     return (*targets, replace(end, speed_m_s=0.0))
-
-
-def _lengths(points: FloatArray) -> FloatArray:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
 def point_numbers(track: FloatArray) -> FloatArray:

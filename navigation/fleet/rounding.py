@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.borders.polyline import arc_lengths
 from planner.fleet.motions.track_kernels import least_distance
 from planner.motion.smooth import smooth_path
 from planner.path import Path
@@ -105,7 +106,7 @@ def _rounded_leg(
     path = Path(
         points=points,
         clearances=here.clearance(points),
-        length=float(_along(points)[-1]),
+        length=float(arc_lengths(points)[-1]),
         min_clearance=float(least.distance),
         min_clearance_at=least.at,
         robot_radius=min(size, float(least.distance)),
@@ -120,7 +121,7 @@ def _rounded_leg(
         turning_radius=turning_m,
         permits=rules.permits,
     )
-    along = _along(smooth.points)
+    along = arc_lengths(smooth.points)
     share = along / max(along[-1], 1e-12)
     times = leg[0, 0] + (leg[-1, 0] - leg[0, 0]) * share
     times[-1] = leg[-1, 0]
@@ -134,10 +135,6 @@ def _is_clear(track: CutTrack, i: int, tracks: Sequence[CutTrack], sizes: Sequen
         for j, other in enumerate(tracks)
         if j != i
     )
-
-
-def _along(points: FloatArray) -> FloatArray:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
 def split_track(track: FloatArray, piece_m: float) -> FloatArray:

@@ -16,8 +16,8 @@ import numpy as np
 from navigation.fleet.members import Member
 from navigation.fleet.releases import Held
 from navigation.mission.mission import State
-from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import LOST_S, STANDING_M_S
+from planner.borders.polyline import distance_to_polyline
 from planner.scene import FloatArray
 
 

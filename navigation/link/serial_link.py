@@ -17,7 +17,7 @@ import select
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -28,10 +28,9 @@ from firmware_protocol.host.events import Event, LinkChanged
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.framing import MAX_WIRE
-from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
-from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.link.port_faults import PORT_FAULTS
+from navigation.link.robot_link import Order, RobotLink
 from navigation.link.serial_port import PortError, PortNotReadyError, open_port
 from navigation.shared.supervisor import in_words
 from navigation.shared.system import require_linux
@@ -39,13 +38,12 @@ from navigation.shared.system import require_linux
 REOPEN_FIRST_S: Final = 0.1
 REOPEN_LAST_S: Final = 2.0
 EVENTS_KEPT: Final = 500
-LATENCIES_KEPT: Final = 10_000
 
 
-class SerialLink:
+class SerialLink(RobotLink):
     """One robot on one serial port; a context manager that opens and closes.
 
-    ``clock`` gives monotonic seconds, also for pose capture times; ``rng`` gives session numbers;
+    ``rng`` gives session numbers;
     ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
     that is not ready at opening, like one that breaks later. Needs Linux: ``NeedsLinuxError`` on
     other systems.
@@ -62,9 +60,9 @@ class SerialLink:
         wait_for_port: bool = False,
     ) -> None:
         require_linux("a serial link")
+        super().__init__(clock)
         self.path = port
         self.baud = baud
-        self._clock = clock
         self._wait_for_port = wait_for_port
         self._host = HostConnection(rng or random.SystemRandom(), baud, expected_boot_id)
         self._serial: serial.Serial | None = None
@@ -72,7 +70,7 @@ class SerialLink:
         self._reopen_s = 0.0
         self._reopen_wait_s = REOPEN_FIRST_S
         self._port_fault = "the port is not open"
-        self._orders: deque[Callable[[float], None]] = deque()
+        self._orders: deque[Order] = deque()
         self._estop = threading.Event()
         self._reset_lock = threading.Lock()
         self._resets = self._resets_taken = self._resets_published = 0
@@ -80,8 +78,6 @@ class SerialLink:
         self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
-        self.turns = 0
-        """Grows while the thread works."""
         self._wake_out = self._wake_in = -1
         self._wake_lock = threading.Lock()
         self._published: tuple[LinkSnapshot, float, float] = (
@@ -93,8 +89,6 @@ class SerialLink:
         self._late_s = 0.0
         self._due_s = math.inf
         self._measured_s = -math.inf
-        self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
-        """Ages of the pose fixes when written to the port, seconds, the newest last."""
 
     # Life.
 
@@ -147,74 +141,25 @@ class SerialLink:
 
     # Orders, from any thread.
 
-    def upload(
-        self,
-        mission: int,
-        waypoints: Sequence[Waypoint],
-        start: bool = True,
-        released: int | None = None,
-    ) -> Mission:
-        """Replace the robot's mission and (``start``) drive it; returns what is sent.
-
-        ``mission`` is an id in [1, 2**32) that is new to this robot, or its present mission's id,
-        to continue with the same waypoints. LocalError if a value does not fit on the wire. Start
-        needs a lease with permit and a pose within a second. ``released``: number of waypoints sent
-        before :meth:`release`; None: all.
-        """
-        whole = Mission(mission, waypoints)
-        self._order(lambda now_s: self._host.upload(whole, now_s, start, released))
-        return whole
-
-    def release(self, mission: int, count: int) -> None:
-        """Let the first ``count`` waypoints of this mission be sent; never fewer than before."""
-        self._order(lambda _now_s: self._host.release(mission, count))
-
     def start(self) -> None:
         """Drive the mission (again, after a pause or a lapsed lease)."""
-        self._order(self._start)
 
-    def pause(self) -> None:
-        """Stop under control and keep the mission."""
-        self._order(lambda _now_s: self._host.pause())
+        def drive(host: HostConnection, now_s: float) -> None:
+            with contextlib.suppress(LocalError):  # the mission may have become void
+                host.start(now_s)
 
-    def clear(self) -> None:
-        """Stop under control and drop the mission."""
-        self._order(lambda _now_s: self._host.clear())
-
-    def lease(
-        self,
-        permit: bool,
-        pose_age_s: float = math.inf,
-        ttl_s: float = 0.5,
-        odometry: bool = False,
-    ) -> None:
-        """Renew the lease, 10 times a second or more: the loop is alive, and the robot may drive.
-
-        ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
-        ``odometry`` lets it drive without the camera.
-        """
-        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
-        issued_s = self._clock()  # now, not when the thread comes to it
-        self._order(lambda _now_s: self._host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
-
-    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Send the pose that the camera saw at ``captured_s`` of the clock."""
-        PoseFix(x_m, y_m, heading_rad).pack()
-        if not math.isfinite(captured_s):
-            raise LocalError(f"captured_s = {captured_s}: must be finite")
-        self._order(lambda _now_s: self._host.pose_fix(x_m, y_m, heading_rad, captured_s))
+        self._order(drive)
 
     def estop(self) -> None:
         """Stop in an emergency: before every other order, repeated until confirmed."""
         self._estop.set()
-        # once more in its turn: an earlier re-arm may still wait, and would undo it
-        self._order(lambda _now_s: self._host.estop())
+        super().estop()  # once more in its turn: an earlier re-arm may wait, and would undo it
 
     def reset_estop(self) -> None:
         """Leave the emergency stop; the mission is void."""
         with self._reset_lock:
             self._resets += 1
-            self._orders.append(self._host.reset_estop)
+            self._orders.append(HostConnection.reset_estop)
         self._wake()
 
     # Known facts, for any thread.
@@ -296,7 +241,7 @@ class SerialLink:
         while self._orders:
             order = self._orders.popleft()
             if not self._estop.is_set():
-                order(self._clock())
+                order(self._host, self._clock())
         self._resets_taken = resets
 
     def _exchange(self, port: serial.Serial) -> None:
@@ -380,12 +325,7 @@ class SerialLink:
         self._published = (snapshot, host.heard_s, host.status_s)
         self._resets_published = self._resets_taken
 
-    def _start(self, now_s: float) -> None:
-        # the mission may have become void
-        with contextlib.suppress(LocalError):
-            self._host.start(now_s)
-
-    def _order(self, order: Callable[[float], None]) -> None:
+    def _order(self, order: Order) -> None:
         self._orders.append(order)
         self._wake()
 

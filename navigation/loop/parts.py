@@ -6,15 +6,12 @@ code runs without threads, so a run repeats exactly. Metres, radians, seconds of
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from firmware_protocol.host.events import Event
-from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
 from navigation.config.sections import RobotSection
-from navigation.link.link_snapshot import LinkSnapshot
+from navigation.link.robot_link import RobotLink
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.shared.supervisor import SupervisedPart
@@ -70,74 +67,6 @@ def camera_part(frames: FrameSource) -> SupervisedPart:
         frames.start()
 
     return SupervisedPart(lambda: frames.status().reason if frames.has_died() else None, restart)
-
-
-class RobotLink(Protocol):
-    """Link to the robot; `SerialLink` explains its members."""
-
-    @property
-    def turns(self) -> int:
-        """Counter like `FrameSource.turns`."""
-        ...
-
-    @property
-    def capture_to_wire_s(self) -> Sequence[float]:
-        """Ages of pose fixes when sent."""
-        ...
-
-    def open(self) -> None:
-        """Open the port."""
-
-    def failure(self) -> str | None:
-        """Error that ended it, in words."""
-
-    def late_s(self) -> float:
-        """Longest delay in waking its thread since the last call."""
-        ...
-
-    def restart(self) -> None:
-        """Restart it."""
-
-    def close(self) -> None:
-        """Close it."""
-
-    def upload(
-        self,
-        mission: int,
-        waypoints: Sequence[Waypoint],
-        start: bool = True,
-        released: int | None = None,
-    ) -> object:
-        """Replace the robot's mission and drive its released part."""
-
-    def release(self, mission: int, count: int) -> None:
-        """Let the mission's first ``count`` waypoints be sent."""
-
-    def pause(self) -> None:
-        """Stop under control and keep the mission."""
-
-    def clear(self) -> None:
-        """Stop under control and drop the mission."""
-
-    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """Renew the lease, and say whether the robot may drive."""
-
-    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Send the pose that the camera saw."""
-
-    def estop(self) -> None:
-        """Emergency stop."""
-
-    def reset_estop(self) -> None:
-        """Leave the emergency stop."""
-
-    def snapshot(self) -> LinkSnapshot:
-        """Present state."""
-        ...
-
-    def events(self) -> Sequence[Event]:
-        """Events since the last call, oldest first."""
-        ...
 
 
 class PlannerPart(Protocol[_Q_contra]):

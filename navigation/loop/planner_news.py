@@ -5,24 +5,15 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from navigation.fleet.request import Answer, Request
 from navigation.loop.planning import SceneCheck
+from navigation.loop.traffic.traffic import TrafficPlanner
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt
-from planner.roadmap.roadmap import Roadmap
 
 if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
-
-
-class SeesScenes(Protocol):
-    """A planner with a roadmap."""
-
-    @property
-    def roadmap(self) -> Roadmap | None:
-        """Newest roadmap; None before the first scene."""
-        ...
 
 
 class PlannerNews:
@@ -30,7 +21,7 @@ class PlannerNews:
 
     def __init__(
         self,
-        planner: SeesScenes,
+        planner: TrafficPlanner,
         clock: Callable[[], float],
         wake: Callable[[], None],
         recorder: Recorder | None,

@@ -15,7 +15,7 @@ from firmware_protocol.host.events import StatusReceived
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import RobotLink
+from navigation.link.robot_link import RobotLink
 from navigation.loop.punctuality import Punctuality
 from navigation.loop.reports import camera_reason, robot_report, to_go_m
 from navigation.loop.robot_orders import RobotOrders

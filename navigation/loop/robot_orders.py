@@ -9,7 +9,7 @@ import math
 from typing import Final
 
 from navigation.config import Config
-from navigation.loop.parts import RobotLink
+from navigation.link.robot_link import RobotLink
 from navigation.mission.cycle import Orders
 
 LEASE_EVERY_S: Final = 0.08

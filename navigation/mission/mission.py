@@ -137,10 +137,6 @@ class MissionProgress:
             ) from None
         return replace(self, state=state, reason=reason)
 
-    def allows(self, event: Event) -> bool:
-        """True if the table has a move for the event."""
-        return (self.state, event) in TRANSITIONS
-
     def given(
         self, stations: tuple[Station, ...], reason: str, *, any_order: bool = False
     ) -> MissionProgress:

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 import numpy as np
 
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.targets import Target
+from planner.borders.polyline import distance_to_polyline, length_of
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
 
-TINY: Final = float(np.finfo(float).tiny)
 """Replaces the squared length of a piece that has none."""
 
 
@@ -61,7 +60,7 @@ class RunningPlan:
         if len(left) == 0:
             return None
         points = np.vstack([[place_m], left])
-        return float(np.hypot(*np.diff(points, axis=0).T).sum())
+        return length_of(points)
 
     def deviation_m(self, place_m: tuple[float, float] | None) -> float | None:
         """Distance of a place from the path; None if either is missing."""
@@ -83,25 +82,6 @@ def plan_of(
         revision=answer.scene_revision,
         visited_before=visited,
     )
-
-
-def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
-    """Distance from a position to a polyline (n, 2), n >= 1, in the same units."""
-    return float(distances_to_polyline(points, np.array([position]))[0])
-
-
-def distances_to_polyline(points: FloatArray, positions: FloatArray) -> FloatArray:
-    """Distances (m,) from positions (m, 2) to a polyline (n, 2), n >= 1; O(m n) memory."""
-    x, y = points[:, 0] - positions[:, :1], points[:, 1] - positions[:, 1:]
-    if len(points) == 1:
-        return np.hypot(x[:, 0], y[:, 0])
-    dx, dy = x[:, 1:] - x[:, :-1], y[:, 1:] - y[:, :-1]
-    x, y = x[:, :-1], y[:, :-1]
-    squared = dx * dx + dy * dy
-    t = -(x * dx + y * dy) / np.maximum(squared, TINY)
-    t = np.minimum(np.maximum(t, 0.0), 1.0)
-    x, y = x + t * dx, y + t * dy
-    return np.asarray(np.sqrt((x * x + y * y).min(axis=1)))
 
 
 def driving_sentence(path: Path, stations_left: int) -> str:

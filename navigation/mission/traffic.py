@@ -17,6 +17,7 @@ from typing import Final
 
 import numpy as np
 
+from planner.borders.polyline import distances_to_polyline
 from planner.scene import FloatArray, Vec
 
 LOST_S: Final = 0.5
@@ -123,18 +124,8 @@ def _gap(
     """Least distance between both bodies if it is too small and shrinks, else None."""
     bodies_m = limits.radius_m + mover.radius_m
     now_m = math.dist(here, (mover.x_m, mover.y_m)) - bodies_m
-    least_m = _distance(way, mover.places(horizon_s)) - bodies_m
+    least_m = float(distances_to_polyline(way, mover.places(horizon_s)).min()) - bodies_m
     return least_m if least_m < min(limits.keep_m, now_m - NEARER_M) else None
-
-
-def _distance(way: FloatArray, places: FloatArray) -> float:
-    """Least distance (m) of places (k, 2) from a polyline (n >= 1, 2)."""
-    a = way[:-1] if len(way) > 1 else way
-    d = np.diff(way, axis=0) if len(way) > 1 else np.zeros((1, 2))
-    squared = np.maximum((d * d).sum(1), 1e-18)
-    off = places[:, None, :] - a[None]
-    t = np.clip((off * d).sum(2) / squared, 0.0, 1.0)
-    return float(np.hypot(*(off - t[:, :, None] * d).transpose(2, 0, 1)).min())
 
 
 def cut(here: Vec, way: FloatArray, length_m: float) -> FloatArray:

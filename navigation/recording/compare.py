@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from navigation.draw.outlines import object_lines
+from planner.borders.polyline import distances_to_polyline
 from planner.path import NoPath, Path
 from planner.scene import FloatArray, Scene
 
@@ -67,17 +68,9 @@ def _curve_distance_m(one: list[FloatArray], other: list[FloatArray]) -> float:
 
 def _directed_m(lines: list[FloatArray], others: list[FloatArray]) -> float:
     places = np.vstack([_places(line) for line in lines])
-    starts = np.vstack([line[:-1] if len(line) > 1 else line for line in others])
-    ends = np.vstack([line[1:] if len(line) > 1 else line for line in others])
-    along = ends - starts
-    squared = (along * along).sum(1)
-    squared[squared == 0.0] = 1.0
     worst = 0.0
-    for first in range(0, len(places), ROWS_AT_ONCE):
-        here = places[first : first + ROWS_AT_ONCE, None, :]
-        t = np.clip(((here - starts) * along).sum(2) / squared, 0.0, 1.0)
-        nearest = starts + t[:, :, None] * along
-        gaps = np.hypot(*np.moveaxis(here - nearest, 2, 0)).min(axis=1)
+    for part in np.split(places, range(ROWS_AT_ONCE, len(places), ROWS_AT_ONCE)):
+        gaps = np.min([distances_to_polyline(line, part) for line in others], axis=0)
         worst = max(worst, float(gaps.max()))
     return worst
 

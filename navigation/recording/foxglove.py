@@ -105,8 +105,7 @@ def zones_message(zones: Sequence[Zone], time_ns: int) -> SceneUpdate:
         _line((*ring, ring[0]), ZONE_COLOURS[zone.kind])
         for zone in zones
         for part in zone.area.outlines(y_down=False)
-        for border in (part.records, *part.holes)
-        for ring in ring_points(border, y_down=False)
+        for ring in ring_points(part, y_down=False)
     ]
     return _update("zones", drawn, time_ns)
 

@@ -9,7 +9,6 @@ from typing import Any, Final
 
 from navigation.recording.events import ZonesChanged
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
-from planner.zones.masks import mask_of_text, mask_text
 from planner.zones.zone import Zone
 
 MOST_ZONES: Final = 1000
@@ -48,7 +47,7 @@ def area_body(area: Area) -> dict[str, Any]:
         case BandArea(line, width):
             return {"line": [list(place) for place in line], "width_m": width}
         case MaskArea(_, source):
-            return {"mask": source, "scene": mask_text(area)}
+            return {"mask": source, "scene": area.as_text()}
 
 
 def _zone(plain: dict[str, Any]) -> Zone:
@@ -70,4 +69,4 @@ def _area_of(plain: dict[str, Any]) -> Area:
         return CircleArea((x, y), radius)
     if "line" in plain:
         return BandArea(plain["line"], plain["width_m"])
-    return mask_of_text(plain["scene"], str(plain["mask"]))
+    return MaskArea.of_text(plain["scene"], str(plain["mask"]))

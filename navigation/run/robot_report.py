@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from navigation.mission.running_plan import distances_to_polyline
+from planner.borders.polyline import distances_to_polyline
 from planner.scene import FloatArray
 
 ROWS_AT_ONCE: Final = 256

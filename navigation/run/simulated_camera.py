@@ -67,14 +67,3 @@ def camera_over(
         ],
         clock,
     )
-
-
-def others_of(
-    config: Config, tracks: Mapping[int, ScriptedTrack]
-) -> dict[int, tuple[ScriptedTrack, float]]:
-    """Track and body radius of each other robot present, by marker id."""
-    return {
-        one.marker_id: (tracks[one.marker_id], one.radius_m)
-        for one in config.other_robots
-        if one.marker_id in tracks
-    }

@@ -118,7 +118,6 @@ class TroubledRobot:
             start=true_start_of(config),
             baud=config.serial.baud,
         )
-        loop.knobs.camera = loop.knobs.lease = False
         return cls(config, loop, VirtualRobot(loop), ProcessorFaults(faults_of(config)))
 
     def tick(self, since_s: float) -> None:

@@ -7,13 +7,10 @@ cameras take pictures. `LatestFrame`, both ends of the wire and the drive model 
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Generic, TypeVar
-
-import numpy as np
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
@@ -22,8 +19,7 @@ from navigation.config.several.each_robot import robots_of
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.calibrations import floor_plan_of, shown_calibration
-from navigation.run.simulated_camera import camera_over, others_of
-from navigation.run.troubled_camera import CameraTroubles, SeenPictures, TroubledCamera
+from navigation.run.simulated_camera import camera_over
 from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.without_pictures.looking import looking_of
@@ -35,7 +31,7 @@ from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S
 from planner.scene import FloatArray, Scene
 from planner.zones.zone import Zone
-from vision.camera.camera import Camera, CameraError, Frame
+from vision.camera.camera import Camera, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.several_frames import SeveralFrames
 
@@ -77,26 +73,17 @@ class VirtualWorld:
         assert config.simulation is not None
         self.config = config
         self.times = times or VirtualTimes()
-        self.cameras: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
-        """Troubles of the camera, or of each of several by name."""
         alone = bodies or robots_of(config)
         self.bodies = {name: TroubledRobot.of(one) for name, one in alone.items()}
         """By name, which is empty for a lone robot."""
         self.ports = dict.fromkeys(self.bodies, "virtual")
         self._configs_of_cameras = each_camera(config)
-        self._memories = {
-            name: SeenPictures(np.random.default_rng(config.simulation.seed + i))
-            for i, name in enumerate(self._configs_of_cameras or [None])
-        }
         self._arenas = arenas_over_time(config, load_arena(config))
         self._looking = looking_of(config, self._arenas, pictures=pictures)
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
-        others = others_of(config, self._tracks)
-        self.truths = {
-            name: Truth(self._arenas, body.robot, others) for name, body in self.bodies.items()
-        }
+        self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
         self._time = next(iter(self.bodies.values())).loop
         self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
@@ -181,10 +168,7 @@ class VirtualWorld:
 
     def open_camera(self, name: str | None = None) -> Camera:
         """Make a camera over the arena as it is now."""
-        troubles = self.cameras[name]
-        if troubles.camera_lost:
-            raise CameraError("simulated camera: is unplugged")
-        camera = camera_over(
+        return camera_over(
             self.config if name is None else self._configs_of_cameras[name],
             self._arenas,
             self._tracks,
@@ -194,7 +178,6 @@ class VirtualWorld:
             self.wait,
             self._looking.make_camera,
         )
-        return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
     def _driven(self) -> Driven:
         bodies = self.bodies.values()

@@ -26,12 +26,11 @@ from navigation.run.devices.world_clock import (
     WallClock,
     world_clock,
 )
-from navigation.run.simulated_camera import others_of
 from navigation.run.simulation import Simulation, is_simulated
 from navigation.run.simulation_apart import SimulationApart
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
-from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.happenings import arenas_over_time
 from navigation.simulator.truth import Truth
 from planner.scene import FloatArray
 from planner.shared.search_clock import search_clock_s
@@ -91,8 +90,7 @@ class World:
         if self.simulation is None or not simulated:
             return {}
         arenas = arenas_over_time(self.config, load_arena(self.config))
-        others = others_of(self.config, tracks_of(self.config))
-        return {name: Truth(arenas, _RobotOf(self.simulation, name), others) for name in simulated}
+        return {name: Truth(arenas, _RobotOf(self.simulation, name)) for name in simulated}
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""

@@ -7,13 +7,11 @@ of the world's clock.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.drive_model import TruePose
-from navigation.simulator.happenings import ScriptedTrack
 from planner.scene import FloatArray
 
 
@@ -29,15 +27,13 @@ class TrueRobot(Protocol):
 
 @dataclass(slots=True)
 class Truth:
-    """The driven robot, and arena and other robots over the time since ``began_s``.
+    """The driven robot, and the arena over the time since ``began_s``.
 
     ``arenas``: each from its time after the beginning; the first from 0.
     """
 
     arenas: list[tuple[float, SimulatedArena]]
     robot: TrueRobot
-    others: Mapping[int, tuple[ScriptedTrack, float]] = field(default_factory=dict)
-    """By marker id: the track, and the radius of the body."""
     began_s: float = 0.0
 
     @property
@@ -59,12 +55,3 @@ class Truth:
             if len(part):
                 least = min(least, arena.track_clearance(part)[0])
         return least
-
-    def others_clearance(self, track: FloatArray) -> float:
-        """Least distance of a track's centre from another robot's body at the time."""
-        gaps = [
-            math.dist((x, y), scripted.pose(time_s - self.began_s)[:2]) - radius_m
-            for scripted, radius_m in self.others.values()
-            for time_s, x, y, _ in track
-        ]
-        return min(gaps, default=math.inf)

@@ -1,8 +1,7 @@
 """Host, line, robot and floor in virtual time: no threads, no port, no waiting.
 
 The host's end, a line paced to its baud rate with faults both ways, the robot's end, its controller
-at 100 steps a second, the moving robot, a camera with noise and delay, and a control loop that
-gives leases.
+at 100 steps a second, and the moving robot.
 """
 
 from __future__ import annotations
@@ -64,16 +63,6 @@ class PacedLine:
         return bytes(out)
 
 
-@dataclass(frozen=True, slots=True)
-class CameraModel:
-    """Poses of the simulated camera: rate, delay, noise (standard deviations)."""
-
-    rate_hz: float = 30.0
-    delay_s: float = 0.04
-    noise_m: float = 0.0008
-    noise_rad: float = 0.006
-
-
 @dataclass(slots=True)
 class Knobs:
     """Settings that a scenario may switch while the loop runs."""
@@ -81,11 +70,7 @@ class Knobs:
     cable: bool = True
     to_robot: bool = True
     """Passage of the host's bytes through the cable; the robot's always pass."""
-    camera: bool = True
-    lease: bool = True
-    permit: bool = True
     frozen: bool = False
-    echo: bool = False
 
 
 def python_robot(identity: Identity, settings: DriveSettings) -> RobotConnection:
@@ -105,10 +90,8 @@ class VirtualLoop:
     faults: FaultSpec = field(default_factory=FaultSpec)
     model: DriveModel = field(default_factory=DriveModel)
     settings: DriveSettings = field(default_factory=DriveSettings)
-    camera: CameraModel = field(default_factory=CameraModel)
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     baud: int = 115_200
-    lease_hz: float = 10.0
     start_s: float = 0.0
     robot_clock_offset_s: float = 0.0
     robot_clock_drift: float = 0.0
@@ -127,16 +110,10 @@ class VirtualLoop:
     _robot_due_s: float = field(default=-math.inf, init=False)
     _rng: np.random.Generator = field(init=False)
     _faulty: tuple[FaultyLine, FaultyLine] = field(init=False)
-    _seen: deque[tuple[float, TruePose]] = field(default_factory=deque, init=False)
-    _captured_s: float = field(default=0.0, init=False)
     _ticks: int = field(default=0, init=False)
-    _lease_ticks: int = field(init=False)
-    _camera_ticks: int = field(init=False)
 
     def __post_init__(self) -> None:
         self.now_s = self.start_s
-        self._lease_ticks = round(1.0 / self.lease_hz / TICK_S)
-        self._camera_ticks = round(1.0 / self.camera.rate_hz / TICK_S)
         self._rng = np.random.default_rng(self.seed)
         self.to_robot, self.to_host = PacedLine(self.baud), PacedLine(self.baud)
         self._faulty = (FaultyLine(self.faults, self._rng), FaultyLine(self.faults, self._rng))
@@ -177,15 +154,6 @@ class VirtualLoop:
         passed_s = self.now_s - self.start_s
         return passed_s * (1.0 + self.robot_clock_drift) + self.robot_clock_offset_s
 
-    def run(self, seconds: float, until: Callable[[], bool] | None = None) -> bool:
-        """Let time pass; True as soon as ``until`` holds (checked every 10 ms)."""
-        end_s = self.now_s + seconds
-        while self.now_s < end_s:
-            self.tick()
-            if until is not None and self._ticks % 10 == 0 and until():
-                return True
-        return until is None
-
     def tick(self) -> None:
         """Simulate one millisecond."""
         self._ticks += 1
@@ -204,18 +172,13 @@ class VirtualLoop:
         self.drive.step(TICK_S, self.wheels)
         if cycle_ends:
             self.track.append((now_s, *self.drive.pose))
-        if knobs.camera or self._seen:
-            self._look()
-        if knobs.lease and self._ticks % self._lease_ticks == 0:
-            self.host.lease(now_s, 0.5, knobs.permit, now_s - self._captured_s)
 
-    def _bytes_to_robot(self, now_s: float) -> None:
+    def _bytes_to_robot(self, now_s: float) -> bytes:
         knobs = self.knobs
         arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
         if arrived and knobs.cable and knobs.to_robot and not knobs.frozen:
             self.robot.receive_bytes(arrived, self.robot_s)  # which makes it due
-        if arrived and knobs.echo:
-            self.to_host.put(arrived, now_s)
+        return arrived
 
     def _robot_turn(self, now_s: float, cycle_ends: bool) -> None:
         """Send the robot's next frame, or let it watch its lease, if that is due; run its cycle."""
@@ -248,14 +211,3 @@ class VirtualLoop:
         self._host_due_s = now_s if data else host.deadline_s(now_s)
         while (event := host.next_event()) is not None:
             self.events.append(event)
-
-    def _look(self) -> None:
-        if self.knobs.camera and self._ticks % self._camera_ticks == 0:
-            x, y, heading = self.drive.pose
-            x += self.camera.noise_m * float(self._rng.standard_normal())
-            y += self.camera.noise_m * float(self._rng.standard_normal())
-            heading += self.camera.noise_rad * float(self._rng.standard_normal())
-            self._seen.append((self.now_s, TruePose(x, y, heading)))
-        while self._seen and self._seen[0][0] + self.camera.delay_s <= self.now_s:
-            self._captured_s, pose = self._seen.popleft()
-            self.host.pose_fix(*pose, self._captured_s)

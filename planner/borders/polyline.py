@@ -1,12 +1,21 @@
-"""Polylines: length along them, and fewer vertices within a tolerance."""
+"""Polylines: length along them, places and distances to them, and fewer vertices."""
 
 from __future__ import annotations
+
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import polyline_kernels as kernels
-from planner.scene import FloatArray, IntArray
+from planner.scene import FloatArray, IntArray, Vec
+
+TINY: Final = float(np.finfo(float).tiny)
+
+
+def length_of(points: FloatArray) -> float:
+    """Length of the (n, 2) polyline, 0 for a single point."""
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
 def arc_lengths(points: FloatArray) -> FloatArray:
@@ -31,6 +40,37 @@ def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatA
     found[at >= lengths[-1]] = points[-1]
     found[at <= lengths[0]] = points[0]
     return found
+
+
+def nearest_length(
+    points: FloatArray, lengths: FloatArray, place: Vec, least: float = 0.0
+) -> float:
+    """Length, at least ``least``, along the polyline at its point nearest to the place."""
+    a, step = points[:-1], np.diff(points, axis=0)
+    squared = np.maximum((step**2).sum(axis=1), 1e-300)
+    part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
+    at = np.maximum(lengths[:-1] + part * np.diff(lengths), least)
+    away = np.hypot(*(points_at(points, lengths, at) - place).T)
+    return float(at[np.argmin(away)])
+
+
+def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
+    """Distance from a position to a polyline (n, 2), n >= 1, in the same units."""
+    return float(distances_to_polyline(points, np.array([position]))[0])
+
+
+def distances_to_polyline(points: FloatArray, positions: FloatArray) -> FloatArray:
+    """Distances (m,) from positions (m, 2) to a polyline (n, 2), n >= 1; O(m n) memory."""
+    x, y = points[:, 0] - positions[:, :1], points[:, 1] - positions[:, 1:]
+    if len(points) == 1:
+        return np.hypot(x[:, 0], y[:, 0])
+    dx, dy = x[:, 1:] - x[:, :-1], y[:, 1:] - y[:, :-1]
+    x, y = x[:, :-1], y[:, :-1]
+    squared = dx * dx + dy * dy
+    t = -(x * dx + y * dy) / np.maximum(squared, TINY)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    x, y = x + t * dx, y + t * dy
+    return np.asarray(np.sqrt((x * x + y * y).min(axis=1)))
 
 
 def fewer_vertices(

@@ -26,7 +26,6 @@ from planner.fleet.on_roadmap import (
     check_walls,
     check_zones,
     plan_fleet,
-    roadmap_for,
     team_on,
 )
 from planner.fleet.retiming import moves_of, retimed
@@ -41,7 +40,7 @@ from planner.fleet.search.team import Route
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
-from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+from planner.scene import FloatArray
 from planner.shared.arguments import of_kind
 from planner.shared.search_clock import Clock, search_clock_s
 from planner.zones.zone import Zone
@@ -171,31 +170,6 @@ class FleetSchedule:
         except OutOfTime:
             return effort.out_of_time(tuple(places))
         return new or self._after_promises(tracks, kept, ends, effort)
-
-    def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
-        """Parked robots that cut a robot off from a goal: none if it is well-formed.
-
-        Every other robot is a disc at its track's end.
-        """
-        blocking: list[int] = []
-        scene = self.roadmap.scene
-        if not isinstance(scene, Scene):
-            raise ValueError("the roadmap's scene must be a Scene: discs are added to it")
-        base = roadmap_for(self.roadmap, self.radii[robot])
-        start, end = self.plan.tracks[robot][-1, 1:], check_places("goal", [goal])[0]
-        objects = scene.objects
-        for i, track in enumerate(self.plan.tracks):
-            if i == robot:
-                continue
-            x, y = track[-1, 1:].tolist()
-            disc = SceneObject(len(objects), (CircleRecord((x, y), self.radii[i]),))
-            more = replace(scene, objects=(*objects, disc))
-            path = base.updated(more).plan(tuple(start), tuple(end))
-            if isinstance(path, NoPath):
-                blocking.append(i)
-            else:
-                objects = more.objects
-        return tuple(blocking)
 
     def _check_sent(self, passed: Sequence[int], sent: Sequence[int]) -> None:
         allowed = releases(self.plan, passed)

@@ -18,7 +18,7 @@ import numpy as np
 
 from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
-from planner.borders.polyline import arc_lengths, moves, points_at
+from planner.borders.polyline import arc_lengths, moves, nearest_length, points_at
 from planner.path import NoPath, Path
 from planner.route.taut import judge
 from planner.scene import FloatArray, Vec
@@ -48,24 +48,14 @@ def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: f
     result need not keep ``need``.
     """
     lengths = arc_lengths(last)
-    begin = _nearest(last, lengths, start, 0.0)
-    end = _nearest(last, lengths, goal, begin)
+    begin = nearest_length(last, lengths, start)
+    end = nearest_length(last, lengths, goal, begin)
     first = _joined(borders, last, lengths, start, begin, end, need)
     final = _joined(borders, last, lengths, goal, end, first, need)
     inner = last[(lengths > first) & (lengths < final)]
     ends = points_at(last, lengths, np.array([first, final]))
     way = np.concatenate([[start], ends[:1], inner, ends[1:], [goal]])
     return np.ascontiguousarray(way[moves(way)])
-
-
-def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:
-    """Length, at least ``least``, of the line's nearest point to the place."""
-    a, step = line[:-1], np.diff(line, axis=0)
-    squared = np.maximum((step**2).sum(axis=1), 1e-300)
-    part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
-    at = np.maximum(lengths[:-1] + part * np.diff(lengths), least)
-    away = np.hypot(*(points_at(line, lengths, at) - place).T)
-    return float(at[np.argmin(away)])
 
 
 def _joined(

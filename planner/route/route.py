@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
+from planner.borders.polyline import length_of
 from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
 from planner.route.hysteresis import continued, is_kept, last_legs, preferred
@@ -24,7 +25,7 @@ from planner.route.margin import WAY_OUT_REACH, way_out
 from planner.route.no_way import Blocked, NamedStation, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
-from planner.route.whole_path import as_path, length_of
+from planner.route.whole_path import as_path
 from planner.scene import FloatArray, UnknownCells, Vec
 from planner.search.chain_graph_kernels import Gates
 from planner.search.chain_search import (

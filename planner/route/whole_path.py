@@ -6,6 +6,7 @@ import numpy as np
 
 from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
+from planner.borders.polyline import length_of
 from planner.path import Path
 from planner.route.plan_request import Request
 from planner.route.taut import judge
@@ -44,8 +45,3 @@ def as_path(
         order=order,
         cost=cost,
     )
-
-
-def length_of(way: FloatArray) -> float:
-    """Length of a polyline (n, 2)."""
-    return float(np.hypot(*np.diff(way, axis=0).T).sum())

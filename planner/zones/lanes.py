@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.borders.polyline import moves
+from planner.borders.polyline import arc_lengths, moves
 from planner.scene import FloatArray, Vec
 from planner.zones.areas import BandArea
 from planner.zones.rules import Rules
@@ -146,7 +146,7 @@ def _with_feet(
 
     Nodes are its ends, those two, and further places that are ``apart`` from the node before.
     """
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    along = arc_lengths(line)
     feet_at: list[float] = []
     for place in places:
         step = np.diff(line, axis=0)

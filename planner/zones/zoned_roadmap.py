@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from planner.borders.polyline import length_of
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import Clearance, Roadmap
 from planner.route.plan_request import Request
-from planner.route.whole_path import as_path, length_of
+from planner.route.whole_path import as_path
 from planner.scene import FloatArray, Scene, SceneObject, Vec
 from planner.shared.arguments import as_float, as_list, of_kind
 from planner.shared.figures import sized

@@ -12,8 +12,9 @@ from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import RobotState, StopReason, Waypoint, WaypointFlag
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.drive_model import DriveModel
-from navigation.simulator.virtual_loop import VirtualLoop, python_robot
+from navigation.simulator.virtual_loop import python_robot
 from tests.support.robots.c_robot import CRobot, missing_tool
+from tests.support.runs.scenario_loop import ScenarioLoop
 
 END = WaypointFlag.STOP | WaypointFlag.END
 GOAL = (0.30, 0.05)
@@ -27,9 +28,9 @@ ROBOTS: dict[str, RobotMaker] = {
 }
 
 
-def drive(dead_zone_m_s: float, least_m_s: float, make: RobotMaker, track_m: float) -> VirtualLoop:
+def drive(dead_zone_m_s: float, least_m_s: float, make: RobotMaker, track_m: float) -> ScenarioLoop:
     """Up to a stop with a heading, and whatever became of it after 30 s."""
-    loop = VirtualLoop(
+    loop = ScenarioLoop(
         seed=4,
         model=DriveModel(track_m=track_m * 1.01, left_scale=1.01, dead_zone_m_s=dead_zone_m_s),
         settings=DriveSettings(track_m=track_m, least_wheel_m_s=least_m_s),

@@ -67,6 +67,29 @@ class BoardSpec:
         return self.columns, self.rows
 
     @property
+    def size_m(self) -> tuple[float, float]:
+        """Width and height of all squares together."""
+        columns, rows = self.inner
+        return (columns + 1) * self.square_m, (rows + 1) * self.square_m
+
+    @property
+    def points_m(self) -> FloatArray:
+        """Inner corners (n, 2), row by row, y up."""
+        x, y = np.meshgrid(*map(np.arange, self.inner))
+        return np.stack([x.ravel() * self.square_m, -y.ravel() * self.square_m], axis=1)
+
+    def charuco(self) -> cv2.aruco.CharucoBoard:
+        """OpenCV's object for a ChArUco board; ``MarkerError`` for an unknown dictionary."""
+        book = dictionary_by_name(self.dictionary)
+        shape = (self.columns, self.rows)
+        return cv2.aruco.CharucoBoard(shape, self.square_m, self.marker_side_m, book)
+
+    @property
+    def marker_side_m(self) -> float:
+        """Side of a ChArUco marker."""
+        return self.square_m / 2.0 if self.marker_m is None else self.marker_m
+
+    @property
     def window_share(self) -> float:
         """Half the refinement window, as a share of a square's side.
 
@@ -74,8 +97,7 @@ class BoardSpec:
         """
         if self.kind == "chessboard":
             return WINDOW_SHARE
-        marker_m = self.marker_m if self.marker_m is not None else self.square_m / 2.0
-        return min(WINDOW_SHARE, (1.0 - marker_m / self.square_m) / 2.0)
+        return min(WINDOW_SHARE, (1.0 - self.marker_side_m / self.square_m) / 2.0)
 
     @property
     def looks_the_same_turned(self) -> bool:
@@ -148,7 +170,7 @@ def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArr
         grid = grid[::-1]
     if _first_square_is_light(grey, grid):
         grid = grid[::-1, ::-1]
-    return grid.reshape(-1, 2), _board_points(columns, rows, spec.square_m)
+    return grid.reshape(-1, 2), spec.points_m
 
 
 def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
@@ -165,14 +187,12 @@ def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
 
 def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray] | str:
     try:
-        book = dictionary_by_name(spec.dictionary)
+        board = spec.charuco()
     except MarkerError as error:
         raise CalibrationError(str(error)) from error
-    marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
     best: tuple[FloatArray, FloatArray] | None = None
     # since OpenCV 4.6, boards with even rows begin with the other colour
     for legacy in (False, True) if spec.rows % 2 == 0 else (False,):
-        board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
         board.setLegacyPattern(legacy)
         corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
         seen: object = ids
@@ -184,7 +204,7 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
             points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
-        if _is_mirrored(grey, book):
+        if _is_mirrored(grey, board.getDictionary()):
             return "the picture is mirrored: its markers can be read in a mirror only"
         return (
             f"no ChArUco board of {spec.columns}x{spec.rows} squares with {spec.dictionary}, or "
@@ -206,12 +226,6 @@ def _is_mirrored(grey: Image, book: cv2.aruco.Dictionary) -> bool:
     mirror = np.ascontiguousarray(grey[:, ::-1])
     counts = [len(detector.detectMarkers(picture)[0]) for picture in (grey, mirror)]
     return counts[1] >= 2 and counts[1] > 2 * counts[0]
-
-
-def _board_points(columns: int, rows: int, square_m: float) -> FloatArray:
-    """(rows * columns, 2), row by row, y up."""
-    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
-    return np.stack([x.ravel() * square_m, -y.ravel() * square_m], axis=1).astype(np.float64)
 
 
 def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SHARE) -> FloatArray:

@@ -85,10 +85,8 @@ def board_sheet(board: BoardSpec) -> Sheet:
         )
         size = (columns + 2) * square, (rows + 2) * square
         return Sheet(*size, square, dark, label, _axes(2.0 * square, 2.0 * square, size))
-    book = dictionary_by_name(board.dictionary)
-    marker_m = board.marker_m if board.marker_m is not None else board.square_m / 2.0
-    marker = 1000.0 * marker_m
-    layout = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square_m, marker_m, book)
+    layout = board.charuco()
+    book, marker = layout.getDictionary(), 1000.0 * board.marker_side_m
     parity = np.add.outer(np.arange(board.rows), np.arange(board.columns)) % 2
     rim = square / 4.0
     parts = list(_cells(parity == 0, square, rim, rim))

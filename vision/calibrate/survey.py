@@ -56,7 +56,6 @@ class ArenaFit:
     """A calibration, each point's residual (n, 2) m by the fit without it, and if it was used."""
 
     calibration: Calibration
-    survey: Survey
     residuals_m: FloatArray
     used: tuple[bool, ...]
 
@@ -147,7 +146,7 @@ def fit_arena(
         tuple(remarks),
         lens_model=model,
     )
-    return ArenaFit(calibration, survey, residuals, tuple(bool(u) for u in used))
+    return ArenaFit(calibration, residuals, tuple(bool(u) for u in used))
 
 
 _ANY_FLOOR = np.diag([1.0, -1.0, 1.0])

@@ -97,11 +97,6 @@ class MarkerTrack:
         self._votes = 0
 
     @property
-    def confirmed(self) -> bool:
-        """True if the track was believed at least once and not forgotten."""
-        return self._pose is not None
-
-    @property
     def velocity(self) -> Velocity:
         """Velocity at the last believed sighting; zero without one."""
         if self._pose is None:

@@ -35,21 +35,14 @@ _DARKEST_FOR_GAIN = 30.0
 _NOISE_FACTOR = 5.5
 _REFRESH_GAIN = 0.1
 _RIM_CELLS = 2
+_LEAST_CONTRAST = 6.0
+"""Grey levels."""
+_LEAST_CELLS = 3
+"""Connected ones."""
+_TREMOR = 0.15
+"""Share of the local contrast that an edge may differ by; 0.15 is a shake of half a pixel."""
 _SPARSE = 23
 """Every 23rd cell is in a median's sample; a prime, so that all columns take part."""
-
-
-@dataclass(frozen=True, slots=True)
-class ChangeLimits:
-    """Limits of a change: ``least_contrast`` grey levels, ``least_cells`` connected cells.
-
-    ``tremor`` is the share of the local contrast that an edge may differ by; 0.15 is a shake of
-    half a pixel.
-    """
-
-    least_contrast: float = 6.0
-    least_cells: int = 3
-    tremor: float = 0.15
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +54,6 @@ class Change:
     """
 
     rectangles: tuple[Rectangle, ...]
-    area_px: int
     first: bool = False
     relit: bool = False
 
@@ -69,8 +61,7 @@ class Change:
 class SceneWatcher:
     """Comparison of each frame with the arena as last reported."""
 
-    def __init__(self, limits: ChangeLimits | None = None) -> None:
-        self._limits = limits or ChangeLimits()
+    def __init__(self) -> None:
         self._background: Image | None = None
         self._cell_px = 1
         self._reference: _Cells = np.empty((0, 0), np.float32)
@@ -129,7 +120,7 @@ class SceneWatcher:
         self._pending_frames = 0
         self._frames = 0
         self._measure_tolerance()
-        return Change(((0, 0, width, height),), width * height, first=True)
+        return Change(((0, 0, width, height),), first=True)
 
     def _shrink(self, image: Image) -> _Cells:
         """Mean grey of each whole cell, float32; the cell's side is a power of two."""
@@ -174,7 +165,7 @@ class SceneWatcher:
 
     def _changed(self, difference: _Cells, covered: _Mask) -> _Mask:
         noise = 1.4826 * _median(difference.ravel()[::_SPARSE])
-        limit = max(self._limits.least_contrast, _NOISE_FACTOR * noise)
+        limit = max(_LEAST_CONTRAST, _NOISE_FACTOR * noise)
         changed = (difference - self._tolerance > np.float32(limit)).view(np.uint8)
         changed *= 255
         changed[covered > 0] = 0
@@ -183,11 +174,11 @@ class SceneWatcher:
     def _confirm(self, changed: _Mask) -> _Mask | None:
         """Connected cells that differ now and in the last frame, or None."""
         before, self._pending = self._pending, changed
-        if cv2.countNonZero(changed) < self._limits.least_cells:
+        if cv2.countNonZero(changed) < _LEAST_CELLS:
             self._pending_frames = 0
             return None
         count, labels, stats, _ = cv2.connectedComponentsWithStats(changed, connectivity=8)
-        big = stats[:, cv2.CC_STAT_AREA] >= self._limits.least_cells
+        big = stats[:, cv2.CC_STAT_AREA] >= _LEAST_CELLS
         big[0] = False
         if not big.any():
             self._pending_frames = 0
@@ -258,8 +249,7 @@ class SceneWatcher:
         self._measure_tolerance()
         self._pending = np.zeros_like(self._pending)
         self._pending_frames = 0
-        area = int(np.count_nonzero(confirmed)) * self._cell_px**2
-        return Change(rectangles, area, relit=relit)
+        return Change(rectangles, relit=relit)
 
     def _rectangles(self, region: _Mask, image: Image) -> tuple[Rectangle, ...]:
         count, _, stats, _ = cv2.connectedComponentsWithStats(region, connectivity=8)
@@ -295,7 +285,7 @@ class SceneWatcher:
     def _measure_tolerance(self) -> None:
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
-        self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)
+        self._tolerance = (contrast * np.float32(_TREMOR)).astype(np.float32)
 
 
 def _median(values: _Cells) -> float:

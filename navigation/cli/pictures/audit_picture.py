@@ -108,11 +108,7 @@ def _window(audit: GraphAudit, scene: Scene) -> Bounds:
 
 def _areas(areas: Scene, colour: Colour, screen: Screen) -> Iterator[Shape]:
     for area in areas.objects:
-        rings = tuple(
-            screen.points(ring)
-            for border in (area.records, *area.holes)
-            for ring in ring_points(border, areas.y_down)
-        )
+        rings = tuple(screen.points(ring) for ring in ring_points(area, areas.y_down))
         yield Area(rings, colour, opacity=0.16)
 
 

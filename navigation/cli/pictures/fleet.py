@@ -83,7 +83,7 @@ def command(
     robots.
     """
     from navigation.cli.pictures.fleet_answer import FleetOutput
-    from navigation.cli.pictures.fleet_picture import draw_fleet, drawn_robots
+    from navigation.cli.pictures.fleet_picture import drawn_robots
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
     from navigation.cli.pictures.sources import compile_for, hold_points, load_source, zones_in
@@ -131,13 +131,10 @@ def command(
     if not isinstance(plan, FleetPlan):
         click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
         return NO_PLAN
-    if render is not None and render.suffix.lower() == ".svg":
-        write_text(render, draw_fleet(scene, robots, plan, zones))
-    elif render is not None:
+    if render is not None:
         from navigation.draw import save_picture
 
-        robots_drawn = drawn_robots(robots, plan)
-        save_picture(render, scene, driven=robots_drawn, zones=zones, title="Fleet")
+        save_picture(render, scene, driven=drawn_robots(robots, plan), zones=zones, title="Fleet")
     return 0
 
 

@@ -21,7 +21,7 @@ from navigation.loop.run_state import RobotSnapshot, StageTimes
 from navigation.mission.mission import MissionProgress, State
 from navigation.mission.watch import Action, Verdict
 from navigation.recording.tape import Tape, TapedPlan
-from planner.borders.polyline import arc_lengths
+from planner.borders.polyline import arc_lengths, nearest_length
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from vision.camera.camera import Frame
@@ -130,14 +130,8 @@ class TapedRobot:
 
 def _to_go_m(path: Path, pose: RobotPose) -> float:
     """Length of the path left from its place nearest to the robot."""
-    begins, steps = path.points[:-1], np.diff(path.points, axis=0)
-    squares = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
-    off = np.array((pose.x, pose.y)) - begins
-    shares = np.clip((off * steps).sum(axis=1) / squares, 0.0, 1.0)
-    nearest = int(np.hypot(*(off - shares[:, None] * steps).T).argmin())
     lengths = arc_lengths(path.points)
-    passed_m = lengths[nearest] + shares[nearest] * (lengths[nearest + 1] - lengths[nearest])
-    return float(lengths[-1] - passed_m)
+    return float(lengths[-1]) - nearest_length(path.points, lengths, (pose.x, pose.y))
 
 
 def _known(kind: Any, values: Mapping[str, int]) -> dict[str, int]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
+from navigation.fleet.orders import TrafficOrders
 from navigation.fleet.request import Answer
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.stages import plan_settings
-from navigation.loop.traffic.traffic import Decided, PathCheck, TrafficOrders, breach_of
+from navigation.loop.traffic.traffic import Decided, PathCheck, breach_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.scene import FloatArray
 
@@ -45,7 +46,7 @@ class Alone:
     def step(self, _now_s: float, decided: Mapping[str, Decided], _revision: int) -> TrafficOrders:
         """The pilot's request, unless it has stopped."""
         orders = decided[self._robot.name].orders
-        return TrafficOrders(None if orders.estop else orders.request)
+        return TrafficOrders(request=None if orders.estop else orders.request)
 
     def released(self, _name: str) -> int | None:
         """Release all."""

@@ -13,13 +13,14 @@ from navigation.config import limits_of
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.members import SEEN_S, Member
+from navigation.fleet.orders import TrafficOrders
 from navigation.fleet.request import Answer, FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import SceneCheck
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.fleet_planner import FleetPlanner
-from navigation.loop.traffic.traffic import Decided, PathCheck, TrafficOrders, breach_of
+from navigation.loop.traffic.traffic import Decided, PathCheck, breach_of
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest
 from navigation.mission.mission import State
 from navigation.mission.traffic import STANDING_M_S
@@ -78,11 +79,9 @@ class Coordinated:
             name: member(one, now_s, decided[name].orders, decided[name].snapshot)
             for name, one in self._robots.items()
         }
-        fleet = self._coordinator.step(now_s, members, revision, self._answer, self._zones_since)
-        self.waits, self.waits_for = fleet.waits, fleet.waits_for
-        return TrafficOrders(
-            fleet.request, fleet.plan_again, fleet.answers, fleet.holds, fleet.errands
-        )
+        orders = self._coordinator.step(now_s, members, revision, self._answer, self._zones_since)
+        self.waits, self.waits_for = orders.waits, orders.waits_for
+        return orders
 
     def released(self, name: str) -> int | None:
         """Number of targets that the robot may be sent; 0 without a promise."""

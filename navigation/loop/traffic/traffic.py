@@ -6,17 +6,17 @@ Metres, radians, seconds.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
-from navigation.fleet.request import Answer, Request
+from navigation.fleet.orders import TrafficOrders
+from navigation.fleet.request import Answer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.robot import ControlledRobot
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
-from navigation.mission.mission import Station
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Vec
 from planner.zones.rules import SPEED_SLACK, Rules
@@ -29,21 +29,6 @@ class Decided:
     orders: Orders
     sight: Sight
     snapshot: LinkSnapshot
-
-
-@dataclass(frozen=True, slots=True)
-class TrafficOrders:
-    """Results of a cycle for the planner, and for robots by name."""
-
-    request: Request | None = None
-    plan_again: Sequence[tuple[str, str]] = ()
-    """Robots that are planned again, and why."""
-    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
-    """For pilots, in the next cycle."""
-    holds: Mapping[str, str] = field(default_factory=dict)
-    """Reasons why robots may not move now."""
-    errands: Mapping[str, Station] = field(default_factory=dict)
-    """New missions of robots that step aside."""
 
 
 class TrafficPlanner(Answering[Any, Any], Protocol):

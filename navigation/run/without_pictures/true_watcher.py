@@ -72,7 +72,7 @@ class TrueWatcher(SceneWatcher):
         known = self._known
         if known is None:
             self._known = {i: one for i, one in there.items() if not _is_covered(one, discs)}
-            return Change((), 0, first=True)
+            return Change((), first=True)
         if there.keys() == known.keys():
             self._waits = False
             return None
@@ -87,7 +87,7 @@ class TrueWatcher(SceneWatcher):
         self._waits = False
         self._known = {i: one for i, one in known.items() if i not in gone}
         self._known |= {i: there[i] for i in sorted(new)}
-        return Change((), 0)
+        return Change(())
 
     def _there(self, sight: TrueSight, discs: FloatArray) -> Things:
         if sight.scene is not self._scene:

@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
-from navigation.simulator.picture.boards import BoardPainter, BoardPose, PrintedBoard
+from navigation.simulator.picture.boards import BoardPainter, BoardPose
 from navigation.simulator.picture.drawing import Appearance, FloatImage
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from navigation.simulator.picture.timed_camera import TimedCamera, Wait
@@ -55,15 +55,14 @@ class HeldBoardCamera(TimedCamera[None]):
         self._pinhole = pinhole_of(config)
         look = Appearance(camera.blur_px, camera.noise_grey, camera.light_fall)
         empty = Scene("m", Bounds(*config.arena.bounds_m), ())
-        board = _board(spec)
-        self._painter = BoardPainter(self._pinhole, look, board, empty)
+        self._painter = BoardPainter(self._pinhole, look, spec, empty)
         self._noise_grey = camera.noise_grey
         self._rng = np.random.default_rng(seed)
         held = held_poses(_true_lens(self._pinhole), spec)
         if not held:
             raise CameraError(f"{self.name}: the board is nowhere wholly in the picture")
         order = self._rng.permutation(len(held))
-        self._spec, self._board, self._asked = spec, board, asked
+        self._spec, self._asked = spec, asked
         self._others = itertools.cycle([self._board_pose(held[i]) for i in order])
         self._last_asked: HeldPose | None = None
         self._here = self._there = next(self._others)
@@ -114,15 +113,8 @@ class HeldBoardCamera(TimedCamera[None]):
         arena_from_board = arena_from_camera @ camera_from_board
         first = self._pinhole.position_m + arena_from_camera @ held.shift
         square_m = self._spec.square_m
-        corner = np.array([-square_m, square_m - self._board.size_m[1], 0.0])
+        corner = np.array([-square_m, square_m - self._spec.size_m[1], 0.0])
         return BoardPose(arena_from_board, first + arena_from_board @ corner)
-
-
-def _board(spec: BoardSpec) -> PrintedBoard:
-    columns, rows = spec.inner
-    marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
-    family = spec.dictionary if spec.kind == "charuco" else ""
-    return PrintedBoard(columns + 1, rows + 1, spec.square_m, marker_m, family)
 
 
 def _true_lens(pinhole: Pinhole) -> KnownLens:

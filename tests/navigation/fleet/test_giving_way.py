@@ -14,9 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import planner
-from navigation.fleet.giving_way import BEGINS_S, HORIZON_S, GivesWay, GivingWay
+from navigation.fleet.giving_way import BEGINS_S, HORIZON_S, GivingWay
 from navigation.fleet.members import Member
-from navigation.fleet.orders import holds_of
+from navigation.fleet.orders import TrafficOrders, holds_of
 from navigation.fleet.releases import Held
 from navigation.fleet.request import Promise
 from navigation.fleet.runaways import Runaway, runaways_of
@@ -77,7 +77,7 @@ def promise(name: str, *points: tuple[float, float]) -> Held:
 
 def one_cycle(
     one: Member, runaway: Runaway, others: dict[str, Member] | None = None
-) -> tuple[GivingWay, GivesWay]:
+) -> tuple[GivingWay, TrafficOrders]:
     gives = GivingWay(clearance_m)
     members = {"b": one, "c": member(runaway.x_m, runaway.y_m), **(others or {})}
     return gives, gives.step(1.0, members, {}, asks("b"), [runaway])
@@ -134,7 +134,7 @@ def test_one_that_cannot_get_away_in_time_stands() -> None:
 def test_one_that_is_passed_at_a_distance_stays() -> None:
     runaway = Runaway("c", 0.2, 1.1, 0.25, 0.0, 0.0, RADIUS_M)
     _, found = one_cycle(member(*HERE), runaway)
-    assert found == GivesWay()
+    assert found == TrafficOrders()
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -8,7 +8,7 @@ import pytest
 from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.virtual_loop import VirtualLoop
+from tests.support.runs.scenario_loop import ScenarioLoop
 
 MISSION = 77
 PLACES = [(0.05 * i, 0.02 * math.sin(i / 3.0)) for i in range(1, 31)]
@@ -23,8 +23,8 @@ def _waypoints() -> list[Waypoint]:
     return [*line[:-1], Waypoint(x, y, 0.2, flags=WaypointFlag.STOP)]
 
 
-def _loop(faults: str, seed: int) -> VirtualLoop:
-    loop = VirtualLoop(seed=seed, faults=FaultSpec.parse(faults))
+def _loop(faults: str, seed: int) -> ScenarioLoop:
+    loop = ScenarioLoop(seed=seed, faults=FaultSpec.parse(faults))
     loop.run(1.0)
     return loop
 

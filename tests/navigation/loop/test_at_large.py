@@ -14,7 +14,7 @@ from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.fleet.members import Member
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import RobotLink
+from navigation.link.robot_link import RobotLink
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
 from navigation.loop.traffic.coordinated import BRAKES_S, STOOD_S, member

@@ -11,16 +11,16 @@ from navigation.loop.punctuality import CALM_S, DOUBTFUL_S, LATE_S, Punctuality
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 FAR = [{"x_m": 0.20, "y_m": 1.60}]
 
 
 @pytest.fixture
-def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
+def driving() -> Iterator[tuple[TroubledWorld, Daemon]]:
     config = short_config(FAR)
-    world = VirtualWorld(config, pictures=False)
+    world = TroubledWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
@@ -34,7 +34,7 @@ def holds(now: RobotSnapshot) -> bool:
 
 @pytest.mark.parametrize("who", ["the control loop", "a thread", "the link's thread"])
 def test_a_late_thread_holds_the_robot_which_goes_on_by_itself(
-    who: str, driving: tuple[VirtualWorld, Daemon], monkeypatch: pytest.MonkeyPatch
+    who: str, driving: tuple[TroubledWorld, Daemon], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world, daemon = driving
     late = iter([0.4])
@@ -52,7 +52,7 @@ def test_a_late_thread_holds_the_robot_which_goes_on_by_itself(
     assert now.mission.state is State.DONE, now.sentence
 
 
-def test_no_report_is_lost_on_a_loop_that_is_late(driving: tuple[VirtualWorld, Daemon]) -> None:
+def test_no_report_is_lost_on_a_loop_that_is_late(driving: tuple[TroubledWorld, Daemon]) -> None:
     """Once the newest report only was looked at, and a turn between two of them was lost."""
     world, daemon = driving
     wheels, stretch = daemon.robot.witness.wheels, daemon.robot.witness.wheels.stretch
@@ -67,7 +67,7 @@ def test_no_report_is_lost_on_a_loop_that_is_late(driving: tuple[VirtualWorld, D
 
 
 def test_a_robot_that_is_carried_while_the_computer_is_late_waits_for_a_person(
-    driving: tuple[VirtualWorld, Daemon],
+    driving: tuple[TroubledWorld, Daemon],
 ) -> None:
     world, daemon = driving
     pose = world.body.robot.pose()
@@ -78,7 +78,7 @@ def test_a_robot_that_is_carried_while_the_computer_is_late_waits_for_a_person(
 
 
 def test_a_picture_that_freezes_while_the_computer_is_late_moves_nothing_far(
-    driving: tuple[VirtualWorld, Daemon],
+    driving: tuple[TroubledWorld, Daemon],
 ) -> None:
     world, daemon = driving
     world.cameras[None].camera_frozen = world.cameras[None].frozen_noise = True

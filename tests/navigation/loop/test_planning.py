@@ -11,9 +11,8 @@ import pytest
 from navigation.loop.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import Disc
-from planner.borders.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, distance_to_polyline, points_at
 from planner.motion.smooth import SmoothError
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath, Path

@@ -11,7 +11,7 @@ import pytest
 from firmware_protocol.host.state import LinkState
 from navigation.config import load_config
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.parts import RobotLink
+from navigation.link.robot_link import RobotLink
 from navigation.loop.robot import ControlledRobot
 from navigation.loop.run_state import StageTimes
 from navigation.loop.seeing.arena_view import ArenaView

@@ -19,9 +19,9 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.line_faults import FaultSpec
 from planner.scene import Scene
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
@@ -45,7 +45,7 @@ HIGH_CAMERA = {
 class Arena:
     """A daemon whose robot drives, and its world."""
 
-    world: VirtualWorld
+    world: TroubledWorld
     daemon: Daemon
 
     def until(self, state: State, seconds: float = 5.0) -> RobotSnapshot:
@@ -59,7 +59,7 @@ class Arena:
 def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
     """A robot that drives; with drawn pictures where the parameter is ``True``."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
-    world = VirtualWorld(config, pictures=getattr(request, "param", False))
+    world = TroubledWorld(config, pictures=getattr(request, "param", False))
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)

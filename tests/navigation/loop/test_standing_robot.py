@@ -15,9 +15,9 @@ from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.virtual_loop import PacedLine
 from tests.navigation.run.test_fleet_runs import open_hall
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
@@ -30,8 +30,8 @@ MOTIONLESS = "neither its wheels nor the camera report a motion"
 CAUSES = {"wire_to_robot_cut": DEAF, "motors_dead": MOTIONLESS}
 
 
-def driving_robot(config: Config) -> Iterator[tuple[VirtualWorld, Daemon]]:
-    world = VirtualWorld(config, pictures=False)
+def driving_robot(config: Config) -> Iterator[tuple[TroubledWorld, Daemon]]:
+    world = TroubledWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
@@ -40,11 +40,11 @@ def driving_robot(config: Config) -> Iterator[tuple[VirtualWorld, Daemon]]:
 
 
 @pytest.fixture
-def driving() -> Iterator[tuple[VirtualWorld, Daemon]]:
+def driving() -> Iterator[tuple[TroubledWorld, Daemon]]:
     yield from driving_robot(short_config(FAR))
 
 
-def said_after(world: VirtualWorld, daemon: Daemon, seconds: float) -> list[tuple[float, Any]]:
+def said_after(world: TroubledWorld, daemon: Daemon, seconds: float) -> list[tuple[float, Any]]:
     """Each cycle from now on: when, and the state."""
     began_s, said = world.clock(), []
     cycle_until(
@@ -67,7 +67,7 @@ def stretches(said: list[tuple[float, RobotSnapshot]]) -> list[tuple[State, floa
 
 @pytest.mark.parametrize("trouble", CAUSES)
 def test_within_3_s_it_is_said_once_and_the_robot_is_not_said_to_drive_again(
-    trouble: str, driving: tuple[VirtualWorld, Daemon]
+    trouble: str, driving: tuple[TroubledWorld, Daemon]
 ) -> None:
     world, daemon = driving
     set_trouble(world, trouble, True)
@@ -83,7 +83,7 @@ def test_within_3_s_it_is_said_once_and_the_robot_is_not_said_to_drive_again(
 
 @pytest.mark.parametrize("trouble", CAUSES)
 def test_the_mission_goes_on_once_the_cause_is_gone(
-    trouble: str, driving: tuple[VirtualWorld, Daemon]
+    trouble: str, driving: tuple[TroubledWorld, Daemon]
 ) -> None:
     world, daemon = driving
     set_trouble(world, trouble, True)
@@ -126,7 +126,7 @@ def test_a_robot_that_hears_late_is_not_said_to_drive_in_try_after_try(
     late_s: float, from_the_start: bool
 ) -> None:
     config = short_config(FAR, safety={"give_up_s": 15.0})
-    world = VirtualWorld(config, pictures=False)
+    world = TroubledWorld(config, pictures=False)
     loop = world.body.loop
     loop.to_robot = line = LateLine(loop.baud)
     told_s = longest_s = 0.0
@@ -167,21 +167,21 @@ def test_a_robot_that_stays_at_a_station_as_ordered_is_not_taken_for_motionless(
         assert holds == []
 
 
-def dead_motors(world: VirtualWorld) -> None:
+def dead_motors(world: TroubledWorld) -> None:
     world.bodies["a"].troubles.motors_dead = True
 
 
-def cut_wire(world: VirtualWorld) -> None:
+def cut_wire(world: TroubledWorld) -> None:
     world.bodies["a"].troubles.wire_to_robot_cut = True
 
 
 @pytest.mark.parametrize(("break_it", "words"), [(dead_motors, MOTIONLESS), (cut_wire, DEAF)])
 def test_of_several_robots_each_says_so_for_itself(
-    break_it: Callable[[VirtualWorld], None], words: str
+    break_it: Callable[[TroubledWorld], None], words: str
 ) -> None:
     rows: list[tuple[float, State, str]] = []
 
-    def meet(world: VirtualWorld, since_s: float) -> None:
+    def meet(world: TroubledWorld, since_s: float) -> None:
         if since_s > 3.0:
             break_it(world)
 

@@ -11,8 +11,8 @@ from navigation.mission.cycle import (
 )
 from navigation.mission.mission import MissionError, State, Station
 from navigation.mission.pilot import Pilot
-from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import Mover
+from planner.borders.polyline import distance_to_polyline
 from planner.path import NoPath
 from tests.navigation.mission.world import PERIOD_S, SETTINGS, TOUR, World
 

@@ -20,9 +20,9 @@ from navigation.loop.stages import stations_of
 from navigation.mission.late_pictures import WORTH_A_PLAN, speed_with
 from navigation.mission.mission import State
 from navigation.mission.trust import Level
-from navigation.run.virtual_world import VirtualWorld
 from navigation.shared.track import driven_pieces
 from planner.borders.polyline import arc_lengths
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 pytestmark = pytest.mark.slow
@@ -41,7 +41,7 @@ BEHIND = (0.8, 0.5)
 class Stage:
     """A daemon, its world, and how far the robot has driven since `lie`."""
 
-    world: VirtualWorld
+    world: TroubledWorld
     daemon: Daemon
     driven_m: float = 0.0
     said: list[str] = field(default_factory=list)
@@ -80,7 +80,7 @@ class Stage:
 def stage_of(*, pictures: bool, **camera: float) -> Iterator[Stage]:
     """A robot at its start."""
     config = short_config(FAR, simulation={"camera": HIGH_CAMERA}, camera=camera)
-    world = VirtualWorld(config, pictures=pictures)
+    world = TroubledWorld(config, pictures=pictures)
     with Daemon(config, world, first_mission_id=7) as daemon:
         yield Stage(world, daemon)
 
@@ -317,7 +317,7 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
         planning={"slow_speed_m_s": 0.1},
         safety={"give_up_s": 5.0},
     )
-    world = VirtualWorld(config, pictures=False)
+    world = TroubledWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)

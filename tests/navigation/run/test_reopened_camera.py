@@ -13,7 +13,7 @@ import pytest
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
@@ -23,14 +23,14 @@ OVER = (State.DONE, State.FAILED, State.STOPPED)
 
 
 def lose_the_camera(
-    how: str, away_s: float, meanwhile: Callable[[VirtualWorld, tuple[float, float, float]], None]
-) -> tuple[VirtualWorld, State, str, int]:
+    how: str, away_s: float, meanwhile: Callable[[TroubledWorld, tuple[float, float, float]], None]
+) -> tuple[TroubledWorld, State, str, int]:
     """Drive fast, lose the camera for so long, do something: the end, and how often it was opened.
 
     ``meanwhile`` is done once the robot stands, with where it was seen last.
     """
     config = short_config(FAR, camera={"rate_hz": 30.0})  # it is lost at full speed
-    world = VirtualWorld(config, pictures=False)
+    world = TroubledWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         now = cycle_until(
@@ -70,7 +70,7 @@ def test_the_way_braked_blind_is_no_slip(how: str, away_s: float) -> None:
 def test_a_robot_that_is_put_back_where_it_was_seen_last_needs_a_person(how: str) -> None:
     """Its wheels have braked over 0.13 m: the camera must see that, or a person look."""
 
-    def put_back(world: VirtualWorld, seen_last: tuple[float, float, float]) -> None:
+    def put_back(world: TroubledWorld, seen_last: tuple[float, float, float]) -> None:
         assert math.dist(world.body.robot.pose()[:2], seen_last[:2]) > 0.12
         world.body.troubles.carried_to = seen_last
 

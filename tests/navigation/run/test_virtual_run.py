@@ -19,6 +19,7 @@ from navigation.run.run_folder import write_run
 from navigation.run.run_report import summarise_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
+from navigation.simulator.happenings import tracks_of
 from tests.support.oracles.bends import bends_of
 from tests.support.runs.light_camera import in_small_pictures
 from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving, short_config
@@ -246,16 +247,17 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
     assert any("an obstacle leaves the path" in sentence for sentence in said)
     track = world.truths[""].track()
     assert world.truths[""].track_clearance(track) >= config.robot.radius_m
-    assert world.truths[""].others_clearance(track) >= config.robot.radius_m
+    scripted, began_s = tracks_of(config), world.truths[""].began_s
+    for other in config.other_robots:
+        for time_s, x, y, _ in track:
+            there = scripted[other.marker_id].pose(time_s - began_s)[:2]
+            assert math.dist((x, y), there) >= config.robot.radius_m + other.radius_m
     assert daemon.scene is not None
     assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"
     for other in config.other_robots:
-        seen, (scripted, _) = (
-            daemon.view.others.tracks[other.marker_id],
-            world.truths[""].others[other.marker_id],
-        )
+        seen = daemon.view.others.tracks[other.marker_id]
         time_s, *last = seen.rows()[-1]
-        assert math.dist(last[:2], scripted.pose(time_s - world.truths[""].began_s)[:2]) < 0.01
+        assert math.dist(last[:2], scripted[other.marker_id].pose(time_s - began_s)[:2]) < 0.01
     report = summarise_run(daemon, ended.mission.state, ended.sentence, ended.time_s)
     write_run(tmp_path, daemon, report)
     picture = (tmp_path / "track.svg").read_text()

@@ -10,48 +10,48 @@ import pytest
 from firmware_protocol.wire.messages import StopReason, Waypoint, WaypointFlag
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.virtual_loop import VirtualLoop
+from tests.support.runs.scenario_loop import ScenarioLoop
 
 LINE = Mission(7, [*(Waypoint(0.05 * i, 0.0, 0.2) for i in range(1, 12)),
                    Waypoint(0.6, 0.0, 0.2, flags=WaypointFlag.STOP)])  # fmt: skip
 STEPS_S = 0.25
 """Between two looks at the trouble of a run."""
 
-Trouble = Callable[[VirtualLoop, int], None]
+Trouble = Callable[[ScenarioLoop, int], None]
 
 
-def _none(_loop: VirtualLoop, _step: int) -> None:
+def _none(_loop: ScenarioLoop, _step: int) -> None:
     pass
 
 
-def _cut_cable(loop: VirtualLoop, step: int) -> None:
+def _cut_cable(loop: ScenarioLoop, step: int) -> None:
     loop.knobs.cable = not 8 <= step < 14
 
 
-def _cut_wire_to_robot(loop: VirtualLoop, step: int) -> None:
+def _cut_wire_to_robot(loop: ScenarioLoop, step: int) -> None:
     loop.knobs.to_robot = not 8 <= step < 20
 
 
-def _silence_camera(loop: VirtualLoop, step: int) -> None:
+def _silence_camera(loop: ScenarioLoop, step: int) -> None:
     loop.knobs.camera = not 8 <= step < 14
 
 
-def _withdraw_permit(loop: VirtualLoop, step: int) -> None:
+def _withdraw_permit(loop: ScenarioLoop, step: int) -> None:
     loop.knobs.permit = not 8 <= step < 10
 
 
-def _freeze_processor(loop: VirtualLoop, step: int) -> None:
+def _freeze_processor(loop: ScenarioLoop, step: int) -> None:
     loop.knobs.frozen = 8 <= step < 13
 
 
-def _press_button(loop: VirtualLoop, step: int) -> None:
+def _press_button(loop: ScenarioLoop, step: int) -> None:
     if step == 8:
         loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
     elif step == 14:
         loop.host.reset_estop(loop.now_s)
 
 
-def _stop_and_pause(loop: VirtualLoop, step: int) -> None:
+def _stop_and_pause(loop: ScenarioLoop, step: int) -> None:
     if step == 7:
         loop.host.pause()
     elif step == 10:
@@ -61,7 +61,7 @@ def _stop_and_pause(loop: VirtualLoop, step: int) -> None:
 
 
 def _run(trouble: Trouble, faults: str, *, always: bool) -> tuple[object, ...]:
-    loop = VirtualLoop(seed=5, faults=FaultSpec.parse(faults), robot_clock_drift=1e-4)
+    loop = ScenarioLoop(seed=5, faults=FaultSpec.parse(faults), robot_clock_drift=1e-4)
     for step in range(36):
         if step == 4:
             loop.host.upload(LINE, loop.now_s)

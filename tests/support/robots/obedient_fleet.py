@@ -15,7 +15,7 @@ import planner
 from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.joining import join_promises
 from navigation.fleet.members import Member
-from navigation.fleet.orders import FleetOrders
+from navigation.fleet.orders import TrafficOrders
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -174,7 +174,7 @@ class Fleet:
         plan = join_promises if request.driving else plan_promises
         return plan(self.roadmap, self.scene, request, KEEP_M)
 
-    def step(self) -> FleetOrders:
+    def step(self) -> TrafficOrders:
         """One cycle, and what the robots do in it."""
         self.now_s += STEP_S
         for one in self.robots.values():

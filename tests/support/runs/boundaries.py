@@ -28,8 +28,8 @@ from navigation.dashboard.hub import Hub
 from navigation.journal.journal import Journal, owner_of
 from navigation.loop.daemon import Daemon
 from navigation.run.give_missions import GiveMissions
-from navigation.run.virtual_world import VirtualWorld
 from tests.support.runs.packed import unpack
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import short_config
 from tests.support.runs.whole_run import run_whole
 
@@ -104,10 +104,10 @@ def seen_of(config: Config) -> dict[str, Any]:
         }
 
 
-def camera_lost(lost: bool) -> Callable[[VirtualWorld], None]:
+def camera_lost(lost: bool) -> Callable[[TroubledWorld], None]:
     """Unplugs the camera, or plugs it in again."""
 
-    def happen(world: VirtualWorld) -> None:
+    def happen(world: TroubledWorld) -> None:
         world.cameras[None].camera_lost = lost
 
     return happen
@@ -134,7 +134,7 @@ def _journals(config: Config) -> dict[str, Any]:
 
 def page_of(config: Config) -> dict[str, Any]:
     """The page's greeting and its messages of one cycle while the robots drive."""
-    with Daemon(config, VirtualWorld(config, pictures=False), first_mission_id=1) as daemon:
+    with Daemon(config, TroubledWorld(config, pictures=False), first_mission_id=1) as daemon:
         assert GiveMissions(daemon, lambda _line: None).are_given
         while daemon.world.clock() < SEEN_AT_S:
             daemon.cycle()

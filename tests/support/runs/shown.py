@@ -26,7 +26,14 @@ from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.run_state import RobotSnapshot, RunState, StageTimes
 from navigation.loop.zones_in_force import ZonesInForce
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Event, MissionError, MissionProgress, State, Station
+from navigation.mission.mission import (
+    TRANSITIONS,
+    Event,
+    MissionError,
+    MissionProgress,
+    State,
+    Station,
+)
 from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
@@ -207,7 +214,7 @@ class _Acting(RecordedPeople):
         with self._daemon.turn:
             self.orders.append(("pause",))
             mission = replace(self._daemon.mission, paused=True)
-            if mission.allows(Event.HOLD):
+            if (mission.state, Event.HOLD) in TRANSITIONS:
                 mission = mission.after(Event.HOLD, "paused by the operator")
             self._daemon.become(mission)
 

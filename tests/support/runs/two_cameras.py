@@ -9,7 +9,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving
 
 RADIUS_M = 0.09
@@ -41,7 +41,7 @@ class Stage:
     """A daemon, its world and what it said."""
 
     def __init__(self, config: Config, *, pictures: bool = True) -> None:
-        self.world = VirtualWorld(config, pictures=pictures)
+        self.world = TroubledWorld(config, pictures=pictures)
         self.daemon = Daemon(config, self.world, first_mission_id=1)
         self.troubles: list[str] = []
         self.said: list[str] = []

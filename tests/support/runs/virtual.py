@@ -10,7 +10,7 @@ from navigation.config import Config, load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 SMALL_CAMERA = {
@@ -51,7 +51,7 @@ def cycle_until(
         assert daemon.world.clock() < until_s, f"not within {seconds} s: {now.sentence}"
 
 
-def set_trouble(world: VirtualWorld, name: str, value: object) -> None:
+def set_trouble(world: TroubledWorld, name: str, value: object) -> None:
     """Switch a trouble of the only robot, or of the only camera."""
     of_robot = world.body.troubles
     setattr(of_robot if hasattr(of_robot, name) else world.cameras[None], name, value)

@@ -20,9 +20,9 @@ from navigation.control import send_order
 from navigation.machine.sd_notify import Notifier
 from navigation.run import runner
 from navigation.run.runner import EVENTS_FILE, Runner
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 
-Happening = Callable[[VirtualWorld], None]
+Happening = Callable[[TroubledWorld], None]
 
 
 @dataclass(slots=True)
@@ -84,21 +84,21 @@ def run_whole(
     """
     ran, socket = WholeRun(), folder / "control.sock"
 
-    def happen(world: VirtualWorld, what: Happening | dict[str, Any]) -> None:
+    def happen(world: TroubledWorld, what: Happening | dict[str, Any]) -> None:
         if isinstance(what, dict):
             ran.answers.append(send_order(socket, what))
         else:
             what(world)
 
-    def opened(world: VirtualWorld) -> VirtualWorld:
+    def opened(world: TroubledWorld) -> TroubledWorld:
         for after_s, what in (at or {}).items():
             world.after(after_s, partial(happen, world, what))
         for member, value in (("clock", _Clock(world.clock)), ("doubts", [])):
             setattr(world, member, value)
         return world
 
-    def make(config: Config, **_: Any) -> VirtualWorld:
-        return opened(VirtualWorld(config, pictures=False))
+    def make(config: Config, **_: Any) -> TroubledWorld:
+        return opened(TroubledWorld(config, pictures=False))
 
     patch.setattr(runner, "World", make)
     patch.setattr(runner, "warm_up", lambda *_: None)

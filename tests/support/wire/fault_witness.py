@@ -22,8 +22,9 @@ from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.virtual_loop import PacedLine, VirtualLoop, python_robot
+from navigation.simulator.virtual_loop import PacedLine, python_robot
 from tests.support.robots.avr_firmware import TOLD_S, AvrFirmware
+from tests.support.runs.scenario_loop import ScenarioLoop
 
 DEAD_MAN_S = 0.5
 RobotMaker = Callable[[Identity, DriveSettings], RobotConnection]
@@ -41,7 +42,7 @@ class Witness:
     faults: FaultSpec = field(default_factory=FaultSpec)
     count: int = 40
     spacing_m: float = 0.02
-    loop: VirtualLoop = field(init=False)
+    loop: ScenarioLoop = field(init=False)
     mission: Mission = field(init=False)
     executed: list[bytes] = field(default_factory=list)
     notes: bool = field(default=True, init=False)
@@ -49,7 +50,7 @@ class Witness:
     given: dict[int, Mission] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        self.loop = VirtualLoop(
+        self.loop = ScenarioLoop(
             seed=self.seed,
             faults=self.faults,
             make_robot=robot_maker.get(),
@@ -215,7 +216,7 @@ class Witness:
         )
 
 
-def join_line(loop: VirtualLoop, seed: int) -> tuple[HostConnection, HostConnection]:
+def join_line(loop: ScenarioLoop, seed: int) -> tuple[HostConnection, HostConnection]:
     """Let another host open the loop's line, beside the one that is there: (first, second).
 
     Both hear the robot; what the first says goes out too.

@@ -138,8 +138,7 @@ def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> 
 def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
     """Poses with the whole board in the picture."""
     columns, rows = spec.inner
-    x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
-    points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
+    points = spec.points_m
     middle = np.array([(columns - 1) / 2, -(rows - 1) / 2, 0.0]) * spec.square_m
     rim = _rim(spec)
     focal, centre = float(lens.camera_matrix[0, 0]), lens.camera_matrix[:2, 2]

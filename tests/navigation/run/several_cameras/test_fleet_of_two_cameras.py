@@ -18,7 +18,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
 from navigation.run.calibrations import floor_plan_of
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import CONFIGS
 
 pytestmark = pytest.mark.slow
@@ -63,7 +63,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> Non
     where: list[list[tuple[float, float]]] = []
     troubles: set[str] = set()
 
-    def meet(world: VirtualWorld, since_s: float) -> None:
+    def meet(world: TroubledWorld, since_s: float) -> None:
         places = [body.robot.pose()[:2] for body in world.bodies.values()]
         if not lost_s and since_s > 3.0 and places[0][0] > 2.02:  # ada, where only one camera sees
             lost_s.append(since_s)
@@ -77,7 +77,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> Non
             troubles.update(one.troubles)
         return False
 
-    report = run_virtually(config, meet=meet, look=look, pictures=False)
+    report = run_virtually(config, meet=meet, look=look, pictures=False, make_world=TroubledWorld)
     assert any("camera right is lost" in one for one in troubles)
     tracks = np.array(where).swapaxes(0, 1)
     within = [plan.is_unknown(closed, *track[0], RADIUS_M) for track in tracks]

@@ -16,7 +16,7 @@ from navigation.config import Config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.two_cameras import RADIUS_M, Stage, config_of
 from tests.support.runs.virtual import cycle_until
 
@@ -144,7 +144,7 @@ def test_without_any_camera_the_robot_stands(across: Stage) -> None:
 def test_calibrations_of_two_floors_are_refused_with_the_number() -> None:
     """With pictures: that two cameras' outlines lie apart."""
     config = config_of((2.2, 1.6), start=(0.72, 1.52))
-    world = VirtualWorld(config)
+    world = TroubledWorld(config)
     plan = world.floor_plan
     assert plan is not None
     assert config.simulation is not None
@@ -153,7 +153,7 @@ def test_calibrations_of_two_floors_are_refused_with_the_number() -> None:
     x, y, z = cameras[1].position_m or (0.0, 0.0, 0.0)
     cameras[1] = cameras[1].model_copy(update={"position_m": (x + 0.06, y + 0.06, z)})
     simulation = config.simulation.model_copy(update={"cameras": tuple(cameras)})
-    wrong = VirtualWorld(config.model_copy(update={"simulation": simulation})).floor_plan
+    wrong = TroubledWorld(config.model_copy(update={"simulation": simulation})).floor_plan
     world.floor_plan = wrong
     with Daemon(config, world, first_mission_id=1) as daemon:
         daemon.people.give(stations_of(config))

@@ -18,10 +18,10 @@ from navigation.config import Config, ConfigError, parse_config
 from navigation.config.sections import RobotEntry, RobotSection
 from navigation.run import runner
 from navigation.run.troubled_robot import RobotTroubles
-from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.virtual_loop import VirtualLoop
 from tests.navigation.config.test_several_robots import FLEET
 from tests.support.runs.boundaries import camera_lost, one_robot, several_robots
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import short_config
 from tests.support.runs.whole_run import WholeRun, run_whole
 
@@ -71,14 +71,14 @@ def troubled(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Make], Whole
     return of
 
 
-def first_robot(world: VirtualWorld) -> tuple[VirtualLoop, RobotTroubles]:
+def first_robot(world: TroubledWorld) -> tuple[VirtualLoop, RobotTroubles]:
     """The line of the first robot, and its troubles."""
     body = next(iter(world.bodies.values()))
     return body.loop, body.troubles
 
 
-def cable_out(out: bool) -> Callable[[VirtualWorld], None]:
-    def happen(world: VirtualWorld) -> None:
+def cable_out(out: bool) -> Callable[[TroubledWorld], None]:
+    def happen(world: TroubledWorld) -> None:
         first_robot(world)[1].cable_out = out
 
     return happen
@@ -215,7 +215,7 @@ def test_an_interrupt_before_the_beginning_of_a_mission_is_a_failure(run: Run, m
 def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: Make) -> None:
     boots: list[int] = []
 
-    def note(world: VirtualWorld) -> None:
+    def note(world: TroubledWorld) -> None:
         boots.append(first_robot(world)[0].robot.identity.boot_id)
 
     run(with_simulated(make(), faults="reset=2"), {1.5: note, 2.5: note})
@@ -226,7 +226,7 @@ def test_a_simulated_processor_restarts_when_its_faults_say_so(run: Run, make: M
 def test_a_simulated_processor_hangs_when_its_faults_say_so(run: Run, make: Make) -> None:
     frozen: list[bool] = []
 
-    def note(world: VirtualWorld) -> None:
+    def note(world: TroubledWorld) -> None:
         frozen.append(first_robot(world)[0].knobs.frozen)
 
     run(with_simulated(make(), faults="freeze=0.5@2"), {1.9: note, 2.3: note, 2.7: note})
@@ -261,7 +261,7 @@ def test_the_best_order_of_stations_is_driven(run: Run, make: Make) -> None:
             one["stations"] = stations
     heights_m: list[float] = []
 
-    def note(world: VirtualWorld) -> None:
+    def note(world: TroubledWorld) -> None:
         heights_m.append(first_robot(world)[0].drive.pose[1])
 
     ran = run(Config.model_validate(values), {0.1 * k: note for k in range(1, 200)})
@@ -308,8 +308,8 @@ def test_what_one_robot_may_be_configured_to_do_several_may(before: str, after: 
     reason="all robots hold where one of several cameras is lost, wherever they are",
 )
 def test_a_robot_that_another_camera_sees_drives_on_where_one_camera_is_lost(run: Run) -> None:
-    def right_lost(lost: bool) -> Callable[[VirtualWorld], None]:
-        def happen(world: VirtualWorld) -> None:
+    def right_lost(lost: bool) -> Callable[[TroubledWorld], None]:
+        def happen(world: TroubledWorld) -> None:
             world.cameras["right"].camera_lost = lost  # type: ignore[index]
 
         return happen

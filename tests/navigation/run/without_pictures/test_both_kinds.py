@@ -13,7 +13,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
 pytestmark = pytest.mark.slow
@@ -52,27 +52,27 @@ class Told:
 
 def break_and_heal(
     name: str, broken: object, healed: object
-) -> Callable[[VirtualWorld, bool], None]:
+) -> Callable[[TroubledWorld, bool], None]:
     """A trouble that is there for a while."""
     return lambda world, is_broken: set_trouble(world, name, broken if is_broken else healed)
 
 
-def freeze_with_a_clock(world: VirtualWorld, is_broken: bool) -> None:
+def freeze_with_a_clock(world: TroubledWorld, is_broken: bool) -> None:
     """Every picture is another one, and all show what was long ago."""
     world.cameras[None].camera_frozen = world.cameras[None].clock_in_the_corner = is_broken
 
 
-def freeze_with_noise(world: VirtualWorld, is_broken: bool) -> None:
+def freeze_with_noise(world: TroubledWorld, is_broken: bool) -> None:
     """As if only the sensor were alive."""
     world.cameras[None].camera_frozen = world.cameras[None].frozen_noise = is_broken
 
 
 def carry(
     to: Callable[[float, float], tuple[float, float]],
-) -> Callable[[VirtualWorld, bool], None]:
+) -> Callable[[TroubledWorld, bool], None]:
     """Take the robot and put it elsewhere, once."""
 
-    def take(world: VirtualWorld, is_broken: bool) -> None:
+    def take(world: TroubledWorld, is_broken: bool) -> None:
         x, y, heading = world.body.robot.pose()
         if is_broken:
             world.body.troubles.carried_to = (*to(x, y), heading)
@@ -80,7 +80,7 @@ def carry(
     return take
 
 
-FAULTS: dict[str, Callable[[VirtualWorld, bool], None]] = {
+FAULTS: dict[str, Callable[[TroubledWorld, bool], None]] = {
     "nothing": lambda _world, _is_broken: None,
     "marker hidden": break_and_heal("marker_hidden", True, False),
     "camera lost": break_and_heal("camera_lost", True, False),
@@ -109,7 +109,7 @@ def run(name: str, *, pictures: bool, bucket: bool) -> Told:
     simulation = {"camera": HIGH_CAMERA, "obstacles": (BUCKET,) if bucket else ()}
     camera = {"rate_hz": RATES_HZ.get(name, 15.0)}
     config, fault = short_config(FAR, simulation=simulation, camera=camera), FAULTS[name]
-    world, told = VirtualWorld(config, pictures=pictures), Told()
+    world, told = TroubledWorld(config, pictures=pictures), Told()
     with Daemon(config, world, first_mission_id=7) as daemon:
         last: list[tuple[float, float]] = []
 

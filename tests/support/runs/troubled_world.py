@@ -1,17 +1,21 @@
-"""The simulated camera with the faults of real ones, for runs in virtual time.
+"""A world in virtual time whose cameras have the faults of real ones.
 
 A test switches `CameraTroubles` during a run; only pictures and their stamps change. Seconds.
 """
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import cv2
 import numpy as np
 
+from navigation.config import Config
+from navigation.config.several.each_camera import each_camera
+from navigation.run.virtual_world import VirtualWorld
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 NOISE_GREY = 2.0
@@ -144,3 +148,24 @@ def with_clock(image: Image, time_s: float) -> Image:
     cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
     cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)
     return shown
+
+
+class TroubledWorld(VirtualWorld):
+    """The world, with troubles of the camera, or of each of several by name, in ``cameras``."""
+
+    def __init__(self, config: Config, *given: Any, **named: Any) -> None:
+        super().__init__(config, *given, **named)
+        assert config.simulation is not None
+        self.cameras: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
+        self._memories = {
+            name: SeenPictures(np.random.default_rng(config.simulation.seed + i))
+            for i, name in enumerate(each_camera(config) or [None])
+        }
+
+    def open_camera(self, name: str | None = None) -> Camera:
+        """Make a camera over the arena as it is now, unless it is unplugged."""
+        troubles = self.cameras[name]
+        if troubles.camera_lost:
+            raise CameraError("simulated camera: is unplugged")
+        camera = super().open_camera(name)
+        return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
