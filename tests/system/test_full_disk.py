@@ -9,13 +9,17 @@ import resource
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from subprocess import PIPE
+from typing import IO
 
 import pytest
 
 from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
 from navigation.run.kernels.warm_up import warm_up
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -39,24 +43,35 @@ def config(tmp_path: Path) -> Path:
     return file
 
 
-def start(config: Path, *more: str, **options: object) -> subprocess.Popen[str]:
-    socket = config.parent / "c.sock"
-    arguments = ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
-    # byte code that is cut off by a limit would stay, and break every later start
+def start(config: Path, stdout: int | IO[str] = PIPE) -> Program:
+    state = {"XDG_STATE_HOME": str(config.parent / "state")}
+    return Program(words(config), env={**os.environ, **state}, stdout=stdout, stderr=PIPE)
+
+
+def start_behind(limit: Callable[[], object], config: Path, *more: str) -> subprocess.Popen[str]:
+    """A new program that is under a limit from its first moment."""
     environment = {
         **os.environ,
         "XDG_STATE_HOME": str(config.parent / "state"),
+        # byte code that is cut off by a limit would stay, and break every later start
         "PYTHONDONTWRITEBYTECODE": "1",
     }
+    arguments = [*PROGRAM, *words(config, *more)]
     return subprocess.Popen(
-        [*PROGRAM, *arguments], stderr=subprocess.PIPE, text=True, env=environment, **options
-    )  # type: ignore[call-overload]
+        arguments, env=environment, stdout=PIPE, stderr=PIPE, text=True, preexec_fn=limit
+    )
 
 
-def finish(run: subprocess.Popen[str]) -> tuple[int, str, str]:
+def words(config: Path, *more: str) -> list[str]:
+    socket = config.parent / "c.sock"
+    return ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
+
+
+def finish(run: subprocess.Popen[str] | Program) -> tuple[int, str, str]:
     with run:
         out, err = run.communicate(timeout=120)
-    return run.returncode, out or "", err
+    assert run.returncode is not None
+    return run.returncode, out, err
 
 
 def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: Path) -> None:
@@ -70,13 +85,13 @@ def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: P
 
 
 def test_a_closed_stdout_ends_no_mission(config: Path) -> None:
-    code, _, err = finish(start(config, preexec_fn=lambda: os.close(1)))
+    code, _, err = finish(start_behind(lambda: os.close(1), config))
     assert code == 0, err
     assert DONE.search(err), err
 
 
 def test_a_reader_that_goes_away_ends_no_mission(config: Path) -> None:
-    run = start(config, stdout=subprocess.PIPE)
+    run = start(config)
     assert run.stdout is not None
     run.stdout.readline()
     run.stdout.close()
@@ -95,8 +110,7 @@ def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) ->
 
     record = ("--record", str(tmp_path / "recordings"))
     report = ("--report", str(tmp_path / "report.json"))
-    run = start(config, *record, *report, stdout=subprocess.PIPE, preexec_fn=limit)
-    code, out, err = finish(run)
+    code, out, err = finish(start_behind(limit, config, *record, *report))
     assert code == 0, out + err
     assert DONE.search(out), out
     for name in ("events.jsonl", "report.json", "track.svg", "journal", "recording"):
@@ -110,7 +124,7 @@ def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) ->
 def test_a_journal_that_is_deleted_on_the_way_is_said_and_made_again(
     config: Path, tmp_path: Path
 ) -> None:
-    run = start(config, stdout=subprocess.PIPE)
+    run = start(config)
     assert run.stdout is not None
     said = []
     for line in run.stdout:
@@ -134,6 +148,6 @@ def test_a_journal_that_is_deleted_on_the_way_is_said_and_made_again(
 
 def test_a_second_run_with_the_same_journal_is_refused(config: Path) -> None:
     with Journal(config.parent.parent / "runs" / "journal", Owner()):
-        code, out, err = finish(start(config, stdout=subprocess.PIPE))
+        code, out, err = finish(start(config))
     assert (code, out) == (2, "")
     assert re.fullmatch(r"clearway: error: journal .*: is in use by another program, .*\n", err)
