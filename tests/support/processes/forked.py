@@ -1,8 +1,8 @@
-"""`clearway` as a process that is forked from one with everything imported and all kernels loaded.
+"""`clearway`, or a Python file, as a process forked from one that has all modules and kernels.
 
-Both together are most of a start's processor time. A `Program` is a process of its own all the
-same: with its arguments, folder, environment, outputs, signals and exit code. What tests a start
-itself starts the real one.
+Loading them is most of a start's processor time. A `Program` is a process of its own all the same:
+with its arguments, folder, environment, outputs, signals and exit code. What tests a start itself
+starts the real one.
 
 The process that forks begins with the first program and ends with the tests.
 """
@@ -13,6 +13,7 @@ import atexit
 import gc
 import json
 import os
+import runpy
 import select
 import signal
 import socket
@@ -43,19 +44,25 @@ def spent_s() -> float:
 
 
 class Program:
-    """``clearway ARGUMENTS``; parameters and members are those of ``subprocess.Popen`` for text."""
+    """``clearway ARGUMENTS``, or ``python FILE ARGUMENTS``.
+
+    The other parameters, and the members, are those of ``subprocess.Popen`` for text.
+    """
 
     def __init__(
         self,
         arguments: Sequence[object],
         *,
+        file: Path | None = None,
         cwd: Path | None = None,
         env: Mapping[str, str] | None = None,
+        stdin: int = subprocess.DEVNULL,
         stdout: int | IO[Any] | None = None,
         stderr: int | IO[Any] | None = None,
     ) -> None:
         asked = {
-            "arguments": [str(one) for one in arguments],
+            "words": [str(one) for one in (file or "clearway", *arguments)],
+            "is_file": file is not None,
             "cwd": str(cwd or Path.cwd()),
             "environment": dict(os.environ if env is None else env),
         }
@@ -63,9 +70,12 @@ class Program:
         with ExitStack() as given:
             out, self.stdout = _output(stdout, 1, given)
             err, self.stderr = _output(stderr, out if stderr == subprocess.STDOUT else 2, given)
+            if stdin == subprocess.DEVNULL:
+                stdin = given.enter_context(open(os.devnull)).fileno()
             self._news, told = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
             given.callback(told.close)
-            socket.send_fds(_server(), [json.dumps(asked).encode()], [out, err, told.fileno()])
+            descriptors = [told.fileno(), stdin, out, err]
+            socket.send_fds(_server(), [json.dumps(asked).encode()], descriptors)
         self.pid = int(self._hear()["pid"])
 
     def __enter__(self) -> Program:
@@ -177,43 +187,45 @@ def _end(process: subprocess.Popen[bytes], line: socket.socket) -> None:
     process.wait()
 
 
-def _serve(line: socket.socket) -> list[str] | None:
-    """Fork what is asked for; return its arguments in each program, and None at the end."""
+def _serve(line: socket.socket) -> dict[str, Any] | None:
+    """Fork what is asked for; return that in each program, and None at the end."""
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # who waits for a program needs no waiting for
     line.send(str(time.process_time()).encode())
     while True:
-        request, descriptors, _, _ = socket.recv_fds(line, LONGEST, 3)
+        request, descriptors, _, _ = socket.recv_fds(line, LONGEST, 4)
         if not request:
             return None
         if not os.fork():
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
             line.close()
-            return _be(json.loads(request), *descriptors)
+            asked = json.loads(request)
+            _be(asked, *descriptors)
+            return dict(asked)
         for one in descriptors:
             os.close(one)
 
 
-def _be(asked: dict[str, Any], out: int, err: int, told: int) -> list[str]:
-    """Become the program, as the child of a process that tells its end; return its arguments."""
+def _be(asked: dict[str, Any], told: int, *streams: int) -> None:
+    """Become the program, as the child of a process that tells its end."""
     program = os.fork()
     if program:
         news = socket.socket(fileno=told)
-        for descriptor in (out, err):
-            os.close(descriptor)  # a pipe ends with the program
+        for stream in streams:
+            os.close(stream)  # a pipe ends with the program
         news.send(json.dumps({"pid": program}).encode())
         _, status, used = os.wait4(program, 0)
         end = {"code": os.waitstatus_to_exitcode(status), "spent_s": used.ru_utime + used.ru_stime}
         with suppress(OSError):  # nobody listens any more
             news.send(json.dumps(end).encode())
         os._exit(0)
-    for number, descriptor in ((1, out), (2, err)):
-        os.dup2(descriptor, number)
-    for descriptor in (out, err, told):
-        os.close(descriptor)
+    for number, stream in enumerate(streams):
+        os.dup2(stream, number)
+        os.close(stream)
+    os.close(told)
     os.chdir(asked["cwd"])
     os.environ.clear()
     os.environ.update(asked["environment"])
-    return list(asked["arguments"])
+    sys.argv = asked["words"]
 
 
 def main() -> None:
@@ -226,10 +238,13 @@ def main() -> None:
     warm_up(load_config(CONFIG, {}), print)
     gc.collect()
     gc.freeze()  # a program need not look through what it shares
-    arguments = _serve(socket.socket(fileno=int(sys.argv[1])))
-    if arguments is not None:
-        sys.argv = ["clearway", *arguments]
+    asked = _serve(socket.socket(fileno=int(sys.argv[1])))
+    if asked is None:
+        return
+    if not asked["is_file"]:
         clearway()
+    sys.path.insert(0, str(Path(sys.argv[0]).parent))
+    runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 if __name__ == "__main__":
