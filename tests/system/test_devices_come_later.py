@@ -19,8 +19,6 @@ from pathlib import Path
 
 import pytest
 
-from navigation.config import load_config
-from navigation.run.kernels.warm_up import warm_up
 from navigation.simulator.shared_pose import PoseReader
 from tests.support.pictures import call
 from tests.support.processes import forked
@@ -48,7 +46,6 @@ def folder(tmp_path: Path) -> Path:
     )
     text = text.replace("  journal: runs/robot.journal", "  # no journal:")
     file.write_text(text + f"\nsafety:\n  give_up_s: {GIVE_UP_S}\n")
-    warm_up(load_config(file, {}), print)
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / "robot.pose").touch()
     return tmp_path

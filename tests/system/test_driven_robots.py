@@ -19,7 +19,6 @@ import pytest
 from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.config.several.each_robot import each_robot
-from navigation.run.kernels.warm_up import warm_up
 from tests.support.pictures import call
 from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
@@ -122,7 +121,6 @@ def test_a_robot_that_is_unplugged_in_mid_run_comes_back_and_the_mission_goes_on
     text = file.read_text()
     head, simulation = text.split("simulation:\n")
     file.write_text(f"{head}simulation:\n{simulation.replace(*poses, 1)}")
-    warm_up(load_config(file, {}), print)
     (tmp_path / "robot.pose").touch()
     with contextlib.ExitStack() as until:
         said = tmp_path / "said"

@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 import os
 import re
-import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from subprocess import PIPE
 from typing import IO
@@ -25,6 +23,13 @@ from tests.support.runs.light_camera import with_light_camera
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
 MISSION = "mission:\n  stations:\n    - {x_m: 0.20, y_m: 0.60}\n"
+LIMITED = """
+import resource, sys
+from navigation.cli.main import main
+sys.dont_write_bytecode = True  # what is cut off by the limit would stay, and break later starts
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+main()
+"""
 DONE = re.compile(r"(?m)^  state +done: ")
 
 
@@ -43,22 +48,12 @@ def config(tmp_path: Path) -> Path:
     return file
 
 
-def start(config: Path, stdout: int | IO[str] = PIPE) -> Program:
+def start(
+    config: Path, *more: str, file: Path | None = None, stdout: int | IO[str] = PIPE
+) -> Program:
     state = {"XDG_STATE_HOME": str(config.parent / "state")}
-    return Program(words(config), env={**os.environ, **state}, stdout=stdout, stderr=PIPE)
-
-
-def start_behind(limit: Callable[[], object], config: Path, *more: str) -> subprocess.Popen[str]:
-    """A new program that is under a limit from its first moment."""
-    environment = {
-        **os.environ,
-        "XDG_STATE_HOME": str(config.parent / "state"),
-        # byte code that is cut off by a limit would stay, and break every later start
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    arguments = [*PROGRAM, *words(config, *more)]
-    return subprocess.Popen(
-        arguments, env=environment, stdout=PIPE, stderr=PIPE, text=True, preexec_fn=limit
+    return Program(
+        words(config, *more), file=file, env={**os.environ, **state}, stdout=stdout, stderr=PIPE
     )
 
 
@@ -71,7 +66,7 @@ def finish(run: subprocess.Popen[str] | Program) -> tuple[int, str, str]:
     with run:
         out, err = run.communicate(timeout=120)
     assert run.returncode is not None
-    return run.returncode, out, err
+    return run.returncode, out or "", err
 
 
 def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: Path) -> None:
@@ -85,7 +80,12 @@ def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: P
 
 
 def test_a_closed_stdout_ends_no_mission(config: Path) -> None:
-    code, _, err = finish(start_behind(lambda: os.close(1), config))
+    environment = {**os.environ, "XDG_STATE_HOME": str(config.parent / "state")}
+    run = subprocess.Popen(
+        [*PROGRAM, *words(config)],
+        env=environment, stderr=PIPE, text=True, preexec_fn=lambda: os.close(1),
+    )  # fmt: skip
+    code, _, err = finish(run)
     assert code == 0, err
     assert DONE.search(err), err
 
@@ -104,13 +104,11 @@ def test_a_reader_that_goes_away_ends_no_mission(config: Path) -> None:
 
 def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) -> None:
     """As on a full disk: the log, the journal, the recording, the report and the picture."""
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
-
+    limited = tmp_path / "limited.py"
+    limited.write_text(LIMITED)
     record = ("--record", str(tmp_path / "recordings"))
     report = ("--report", str(tmp_path / "report.json"))
-    code, out, err = finish(start_behind(limit, config, *record, *report))
+    code, out, err = finish(start(config, *record, *report, file=limited))
     assert code == 0, out + err
     assert DONE.search(out), out
     for name in ("events.jsonl", "report.json", "track.svg", "journal", "recording"):

@@ -11,8 +11,6 @@ from subprocess import PIPE
 
 import pytest
 
-from navigation.config import load_config
-from navigation.run.kernels.warm_up import warm_up
 from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 
@@ -39,7 +37,6 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     )
     with config.open("a") as more:
         more.write(f"\nsafety: {{give_up_s: {GIVE_UP_S}}}\n")
-    warm_up(load_config(config, {}), print)
     arguments = ["--link", "runs/robot", "--poses", "runs/robot.pose", "--start", "0.2,0.2,90"]
     with Program(["robot", *arguments], cwd=tmp_path, stdout=PIPE) as robot:
         assert robot.stdout is not None
