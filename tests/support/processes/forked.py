@@ -29,6 +29,8 @@ from types import TracebackType
 from typing import IO, Any, Final
 
 CONFIG: Final = Path(__file__).parents[3] / "configs" / "simulation.yaml"
+ONE_THREAD: Final = {"OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
+"""A fork has none of the threads that a library has begun, and would wait for them for ever."""
 LONGEST: Final = 1 << 18
 """Of a request, in bytes."""
 
@@ -173,7 +175,11 @@ def _server() -> socket.socket:
         command = [sys.executable, "-m", __name__, str(there.fileno())]
         folder = Path(__file__).parents[3]
         process = subprocess.Popen(
-            command, cwd=folder, pass_fds=[there.fileno()], stdin=subprocess.DEVNULL
+            command,
+            cwd=folder,
+            env={**os.environ, **ONE_THREAD},
+            pass_fds=[there.fileno()],
+            stdin=subprocess.DEVNULL,
         )
     atexit.register(_end, process, here)
     ready = here.recv(LONGEST)
@@ -237,6 +243,7 @@ def main() -> None:
 
     warm_up(load_config(CONFIG, {}), print)
     gc.collect()
+    assert len(os.listdir("/proc/self/task")) == 1, "a fork would lack a thread"
     gc.freeze()  # a program need not look through what it shares
     asked = _serve(socket.socket(fileno=int(sys.argv[1])))
     if asked is None:
