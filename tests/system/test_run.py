@@ -309,26 +309,3 @@ def test_a_robot_that_is_not_in_view_is_held_and_that_is_said(config: Config, wo
         assert told.pose is None
     track = world.truths[""].track()
     assert np.ptp(track[:, 1:3], axis=0).max() < 1e-6, "it never moved"
-
-
-def test_a_robot_lost_from_view_stops_and_goes_on_when_seen_again(
-    config: Config, world: World
-) -> None:
-    hidden = [False]
-    true = hide(world, lambda: hidden[0])
-    with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.people.give(stations_of(config))
-        cycle_until(daemon, is_driving)
-        hidden[0] = True
-        held = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)
-        assert re.search(r"marker|robot|seen|hidden", held.sentence)
-        cycle_until(daemon, lambda now: not now.link.running)
-        since_s = time.monotonic()
-        cycle_until(daemon, lambda now: time.monotonic() > since_s + 1.2)
-        stood = true("")
-        cycle_until(daemon, lambda now: time.monotonic() > since_s + 1.7)
-        assert math.dist(stood[:2], true("")[:2]) < 0.001, "it stands while it is not seen"
-        hidden[0] = False
-        ended = cycle_until(daemon, lambda now: now.mission.is_over)
-        assert ended.mission.state is State.DONE
-    assert math.dist(true("")[:2], (0.20, 1.40)) < 0.02
