@@ -17,6 +17,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from navigation.config.secrecy import secrets
+from tests.support.processes.forked import spent_s
 
 settings.register_profile(
     "default", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -103,8 +104,8 @@ _spent_s = pytest.StashKey[float]()
 
 
 def processor_s() -> float:
-    """The processor time of this process and of all its children that have ended."""
-    return sum(os.times()[:4])
+    """The processor time of this process, of all its children and programs that have ended."""
+    return sum(os.times()[:4]) + spent_s()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,11 +1,9 @@
 """Every example runs as a person would run it, and leaves its picture."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+from subprocess import DEVNULL, PIPE
 
 import cv2
 import nbformat
@@ -19,6 +17,7 @@ from tests.examples.notebooks import (
     words_and_numbers,
 )
 from tests.support.oracles.nav2_graph import load_graph
+from tests.support.processes.forked import Program
 
 pytestmark = pytest.mark.slow
 
@@ -31,11 +30,10 @@ PICTURES = dict(
 SCRIPTS = sorted(name for name in PICTURES if name.endswith(".py"))
 NOTEBOOKS = sorted(name for name in PICTURES if name.endswith(".ipynb"))
 COLD_S = 900
+"""What one may take on a machine that has no compiled kernels yet."""
 MOST_BYTES = 500 * 1024
 AGREES = 0.05
 """Another processor rounds otherwise, and a simulated run repeats itself only on equal ones."""
-"""What one may take on a machine that has no compiled kernels yet."""
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
 def test_the_readme_lists_every_example() -> None:
@@ -46,18 +44,11 @@ def test_the_readme_lists_every_example() -> None:
 @pytest.mark.timeout(COLD_S)
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, str(EXAMPLES / name), str(tmp_path)],
-        env=ENVIRONMENT,
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=COLD_S - 20,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
-    assert not done.stderr
+    program = Program([tmp_path], file=EXAMPLES / name, cwd=tmp_path, stdout=PIPE, stderr=PIPE)
+    out, err = program.communicate(COLD_S - 20)
+    assert program.returncode == 0, err
+    assert out
+    assert not err
     _is_a_picture(tmp_path / PICTURES[name])
 
 
@@ -97,13 +88,8 @@ def test_a_notebook_is_committed_with_its_outputs(name: str) -> None:
 
 @pytest.mark.timeout(COLD_S)
 def test_nav2_reads_the_route_graph(tmp_path: Path) -> None:
-    subprocess.run(
-        [sys.executable, str(EXAMPLES / "ros_map_to_nav2.py"), str(tmp_path)],
-        env=ENVIRONMENT,
-        capture_output=True,
-        timeout=COLD_S - 20,
-        check=True,
-    )
+    program = Program([tmp_path], file=EXAMPLES / "ros_map_to_nav2.py", stdout=DEVNULL)
+    assert program.wait(COLD_S - 20) == 0
     nodes = load_graph((tmp_path / "route_graph.geojson").read_text())
     assert nodes
     assert all(node.leaving for node in nodes.values())

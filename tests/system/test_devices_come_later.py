@@ -13,22 +13,19 @@ import re
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from navigation.config import load_config
-from navigation.run.kernels.warm_up import warm_up
 from navigation.simulator.shared_pose import PoseReader
 from tests.support.pictures import call
+from tests.support.processes import forked
 from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PROGRAM = Path(sys.executable).with_name("clearway")
 CONFIG = "configs/hardware_in_the_loop.yaml"
 START = "0.2,0.2,90"
 PATIENCE_S = 60.0
@@ -49,7 +46,6 @@ def folder(tmp_path: Path) -> Path:
     )
     text = text.replace("  journal: runs/robot.journal", "  # no journal:")
     file.write_text(text + f"\nsafety:\n  give_up_s: {GIVE_UP_S}\n")
-    warm_up(load_config(file, {}), print)
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / "robot.pose").touch()
     return tmp_path
@@ -61,8 +57,8 @@ class Program:
     def __init__(self, folder: Path, *arguments: str) -> None:
         self._out = folder / f"{arguments[0]}-{time.monotonic_ns()}.out"
         with self._out.open("w") as out:
-            self.process = subprocess.Popen(
-                [PROGRAM, *arguments], cwd=folder, stdout=out, stderr=subprocess.STDOUT
+            self.process = forked.Program(
+                arguments, cwd=folder, stdout=out, stderr=subprocess.STDOUT
             )
 
     @property
@@ -156,10 +152,8 @@ def test_a_stop_pressed_before_the_robot_is_there_stops_it_when_it_comes(
 ) -> None:
     program = run(start)
     program.says(WAITS)
-    order = subprocess.run(
-        [PROGRAM, "stop", "--socket", "c.sock"], cwd=folder, capture_output=True, text=True
-    )
-    assert order.returncode == 0, order
+    order = call("stop", "--socket", folder / "c.sock")
+    assert order.code == 0, order
     there = robot(start)
     there.says("ESTOP")
     program.says("stopped ")

@@ -10,23 +10,21 @@ import json
 import re
 import shutil
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
+from subprocess import DEVNULL, PIPE, STDOUT
 
 import pytest
 
 from navigation.config import load_config
 from navigation.config.known_robots import KNOWN_ROBOTS
 from navigation.config.several.each_robot import each_robot
-from navigation.run.kernels.warm_up import warm_up
 from tests.support.pictures import call
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PROGRAM = Path(sys.executable).with_name("clearway")
 NEAR = {
     "create2": "{x_m: 0.40, y_m: 1.50, heading_deg: 90}",
     "turtlebot3": "{x_m: 0.20, y_m: 0.75, heading_deg: 90}",
@@ -101,11 +99,8 @@ class Twin:
     """``clearway robot --kind`` in a process of its own, behind a link that stays."""
 
     def __init__(self, folder: Path, kind: str, start: str) -> None:
-        self.process = subprocess.Popen(
-            [PROGRAM, "robot", "--kind", kind, "--start", start,
-             "--link", "robot", "--poses", "robot.pose"],
-            cwd=folder, stdout=subprocess.DEVNULL,
-        )  # fmt: skip
+        arguments = ["--kind", kind, "--start", start, "--link", "robot", "--poses", "robot.pose"]
+        self.process = Program(["robot", *arguments], cwd=folder, stdout=DEVNULL)
 
     def end(self) -> None:
         """The robot is unplugged: nothing is left of its port."""
@@ -126,15 +121,12 @@ def test_a_robot_that_is_unplugged_in_mid_run_comes_back_and_the_mission_goes_on
     text = file.read_text()
     head, simulation = text.split("simulation:\n")
     file.write_text(f"{head}simulation:\n{simulation.replace(*poses, 1)}")
-    warm_up(load_config(file, {}), print)
     (tmp_path / "robot.pose").touch()
     with contextlib.ExitStack() as until:
         said = tmp_path / "said"
         out = until.enter_context(said.open("w"))
-        program = subprocess.Popen(
-            [PROGRAM, "run", file, "--no-dashboard", "--socket", tmp_path / "s"],
-            cwd=tmp_path, stdout=out, stderr=subprocess.STDOUT,
-        )  # fmt: skip
+        arguments = ("run", file, "--no-dashboard", "--socket", tmp_path / "s")
+        program = Program(arguments, cwd=tmp_path, stdout=out, stderr=STDOUT)
         until.callback(program.wait)
         until.callback(program.kill)
 
@@ -168,9 +160,7 @@ def test_the_wrong_robot_on_the_port_is_named_and_nothing_is_driven(tmp_path: Pa
         file.write_text(file.read_text().replace("port: robot", f"port: {tmp_path / 'robot'}"))
         arguments = ["--once", "--no-dashboard", "--socket", tmp_path / "s"]
         said = []
-        with subprocess.Popen(
-            [PROGRAM, "run", file, *arguments], stdout=subprocess.PIPE, text=True
-        ) as run:
+        with Program(["run", file, *arguments], stdout=PIPE) as run:
             assert run.stdout is not None
             for line in run.stdout:
                 said.append(line)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
+from subprocess import PIPE
 
 import pytest
 import yaml
@@ -12,20 +12,19 @@ import yaml
 from navigation.recording.files import recordings_in
 from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import in_small_pictures
-from tests.system.test_kill_9 import PROGRAM, kill_when_said
+from tests.system.test_kill_9 import kill_when_said
 
 pytestmark = pytest.mark.slow
 STAY_S = 8.0
 """At their last stations: a kill that a busy machine makes late still comes before the end."""
 
 
-def run(folder: Path) -> subprocess.Popen[str]:
+def run(folder: Path) -> Program:
     arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
     arguments += ["--record", "recordings"]
-    return subprocess.Popen(
-        [PROGRAM, "run", "hall.yaml", *arguments], cwd=folder, stdout=subprocess.PIPE, text=True
-    )
+    return Program(["run", "hall.yaml", *arguments], cwd=folder, stdout=PIPE)
 
 
 def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> None:

@@ -5,22 +5,31 @@ from __future__ import annotations
 import json
 import os
 import re
-import resource
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from subprocess import PIPE
+from typing import IO
 
 import pytest
 
 from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
 from navigation.run.kernels.warm_up import warm_up
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
 MISSION = "mission:\n  stations:\n    - {x_m: 0.20, y_m: 0.60}\n"
+LIMITED = """
+import resource, sys
+from navigation.cli.main import main
+sys.dont_write_bytecode = True  # what is cut off by the limit would stay, and break later starts
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+main()
+"""
 DONE = re.compile(r"(?m)^  state +done: ")
 
 
@@ -39,23 +48,24 @@ def config(tmp_path: Path) -> Path:
     return file
 
 
-def start(config: Path, *more: str, **options: object) -> subprocess.Popen[str]:
+def start(
+    config: Path, *more: str, file: Path | None = None, stdout: int | IO[str] = PIPE
+) -> Program:
+    state = {"XDG_STATE_HOME": str(config.parent / "state")}
+    return Program(
+        words(config, *more), file=file, env={**os.environ, **state}, stdout=stdout, stderr=PIPE
+    )
+
+
+def words(config: Path, *more: str) -> list[str]:
     socket = config.parent / "c.sock"
-    arguments = ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
-    # byte code that is cut off by a limit would stay, and break every later start
-    environment = {
-        **os.environ,
-        "XDG_STATE_HOME": str(config.parent / "state"),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    return subprocess.Popen(
-        [*PROGRAM, *arguments], stderr=subprocess.PIPE, text=True, env=environment, **options
-    )  # type: ignore[call-overload]
+    return ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
 
 
-def finish(run: subprocess.Popen[str]) -> tuple[int, str, str]:
+def finish(run: subprocess.Popen[str] | Program) -> tuple[int, str, str]:
     with run:
         out, err = run.communicate(timeout=120)
+    assert run.returncode is not None
     return run.returncode, out or "", err
 
 
@@ -70,13 +80,18 @@ def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: P
 
 
 def test_a_closed_stdout_ends_no_mission(config: Path) -> None:
-    code, _, err = finish(start(config, preexec_fn=lambda: os.close(1)))
+    environment = {**os.environ, "XDG_STATE_HOME": str(config.parent / "state")}
+    run = subprocess.Popen(
+        [*PROGRAM, *words(config)],
+        env=environment, stderr=PIPE, text=True, preexec_fn=lambda: os.close(1),
+    )  # fmt: skip
+    code, _, err = finish(run)
     assert code == 0, err
     assert DONE.search(err), err
 
 
 def test_a_reader_that_goes_away_ends_no_mission(config: Path) -> None:
-    run = start(config, stdout=subprocess.PIPE)
+    run = start(config)
     assert run.stdout is not None
     run.stdout.readline()
     run.stdout.close()
@@ -89,14 +104,11 @@ def test_a_reader_that_goes_away_ends_no_mission(config: Path) -> None:
 
 def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) -> None:
     """As on a full disk: the log, the journal, the recording, the report and the picture."""
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
-
+    limited = tmp_path / "limited.py"
+    limited.write_text(LIMITED)
     record = ("--record", str(tmp_path / "recordings"))
     report = ("--report", str(tmp_path / "report.json"))
-    run = start(config, *record, *report, stdout=subprocess.PIPE, preexec_fn=limit)
-    code, out, err = finish(run)
+    code, out, err = finish(start(config, *record, *report, file=limited))
     assert code == 0, out + err
     assert DONE.search(out), out
     for name in ("events.jsonl", "report.json", "track.svg", "journal", "recording"):
@@ -110,7 +122,7 @@ def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) ->
 def test_a_journal_that_is_deleted_on_the_way_is_said_and_made_again(
     config: Path, tmp_path: Path
 ) -> None:
-    run = start(config, stdout=subprocess.PIPE)
+    run = start(config)
     assert run.stdout is not None
     said = []
     for line in run.stdout:
@@ -134,6 +146,6 @@ def test_a_journal_that_is_deleted_on_the_way_is_said_and_made_again(
 
 def test_a_second_run_with_the_same_journal_is_refused(config: Path) -> None:
     with Journal(config.parent.parent / "runs" / "journal", Owner()):
-        code, out, err = finish(start(config, stdout=subprocess.PIPE))
+        code, out, err = finish(start(config))
     assert (code, out) == (2, "")
     assert re.fullmatch(r"clearway: error: journal .*: is in use by another program, .*\n", err)

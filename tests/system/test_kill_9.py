@@ -5,21 +5,18 @@ from __future__ import annotations
 import json
 import shutil
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
+from subprocess import PIPE
 
 import pytest
 
-from navigation.config import load_config
-from navigation.run.kernels.warm_up import warm_up
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 
 pytestmark = pytest.mark.timed  # a robot in another process drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PROGRAM = Path(sys.executable).with_name("clearway")
 STAY_S = 5.0
 """At the second station: a kill after the first that a busy machine makes late comes before it."""
 
@@ -40,11 +37,8 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     )
     with config.open("a") as more:
         more.write(f"\nsafety: {{give_up_s: {GIVE_UP_S}}}\n")
-    warm_up(load_config(config, {}), print)
     arguments = ["--link", "runs/robot", "--poses", "runs/robot.pose", "--start", "0.2,0.2,90"]
-    with subprocess.Popen(
-        [PROGRAM, "robot", *arguments], cwd=tmp_path, stdout=subprocess.PIPE, text=True
-    ) as robot:
+    with Program(["robot", *arguments], cwd=tmp_path, stdout=PIPE) as robot:
         assert robot.stdout is not None
         robot.stdout.readline()  # its port: it is there
         robot.stdout.readline()  # its state: link and pose are told
@@ -52,15 +46,13 @@ def folder(tmp_path: Path) -> Iterator[Path]:
         robot.terminate()
 
 
-def run(folder: Path) -> subprocess.Popen[str]:
+def run(folder: Path) -> Program:
     config = "configs/hardware_in_the_loop.yaml"
     arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
-    return subprocess.Popen(
-        [PROGRAM, "run", config, *arguments], cwd=folder, stdout=subprocess.PIPE, text=True
-    )
+    return Program(["run", config, *arguments], cwd=folder, stdout=PIPE)
 
 
-def kill_when_said(process: subprocess.Popen[str], words: str) -> list[str]:
+def kill_when_said(process: Program, words: str) -> list[str]:
     said = []
     assert process.stdout is not None
     for line in process.stdout:

@@ -11,18 +11,18 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from subprocess import PIPE
 from zipfile import ZipFile
 
 import pytest
 from mcap.reader import make_reader
 from websockets.sync.client import connect
 
+from tests.support.processes.forked import Program
 from tests.support.processes.mjpeg_server import mjpeg_server
 from tests.support.waiting import wait_until
 from vision.calibration.calibration import Calibration
@@ -30,7 +30,6 @@ from vision.calibration.calibration_file import calibration_text
 
 pytestmark = pytest.mark.slow
 
-PROGRAM = str(Path(sys.executable).with_name("clearway"))
 CONFIGS = Path(__file__).parents[2] / "configs"
 WITHIN_S = 90.0
 MARK = "zq7"
@@ -97,9 +96,7 @@ class Running:
         words += ["--log-level", "debug"]
         environment = {**ENVIRONMENT, "XDG_STATE_HOME": str(self.folder / "state")}
         with self.out.open("wb") as out, self.err.open("wb") as err:
-            self.process = subprocess.Popen(
-                [PROGRAM, *words], cwd=self.folder, env=environment, stdout=out, stderr=err
-            )
+            self.process = Program(words, cwd=self.folder, env=environment, stdout=out, stderr=err)
 
     def says(self, pattern: str) -> str:
         """Wait until it says that; the last such place."""
@@ -128,11 +125,10 @@ def running(file: Path, log_format: str) -> Iterator[Running]:
 def command(folder: Path, *words: str) -> bytes:
     """Both outputs of a command of the program."""
     environment = {**ENVIRONMENT, "XDG_STATE_HOME": str(folder / "state")}
-    told = subprocess.run(
-        [PROGRAM, *words], cwd=folder, env=environment, capture_output=True, timeout=WITHIN_S
-    )
-    assert b"Traceback" not in told.stderr, told.stderr
-    return told.stdout + told.stderr
+    program = Program(words, cwd=folder, env=environment, stdout=PIPE, stderr=PIPE)
+    out, err = program.communicate(WITHIN_S)
+    assert "Traceback" not in err, err
+    return (out + err).encode()
 
 
 def fetched(address: str, path: str) -> bytes:

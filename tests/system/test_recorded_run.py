@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
+from subprocess import PIPE
 
 from tests.support.pictures import call
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -19,12 +19,9 @@ def test_a_recorded_run_that_was_killed_replays_to_the_same_result(tmp_path: Pat
     shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "simulation.yaml"
     file.write_text(with_light_camera(file.read_text()))
-    program = Path(sys.executable).with_name("clearway")
     arguments = ["run", "simulation.yaml", "--once", "--record", "kept", "--no-dashboard"]
     arguments += ["--socket", str(tmp_path / "private" / "socket")]
-    with subprocess.Popen(
-        [str(program), *arguments], stdout=subprocess.PIPE, text=True, cwd=tmp_path
-    ) as process:
+    with Program(arguments, stdout=PIPE, cwd=tmp_path) as process:
         assert process.stdout is not None
         told = []
         for line in process.stdout:

@@ -10,12 +10,11 @@ import math
 import re
 import shutil
 import signal
-import subprocess
-import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from subprocess import PIPE
 from typing import Any
 
 import numpy as np
@@ -30,6 +29,7 @@ from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from planner.scene import Scene
 from tests.support.pictures import call
+from tests.support.processes.forked import Program
 from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
 
@@ -136,15 +136,14 @@ def test_a_goal_that_nobody_can_reach_ends_with_code_3_and_the_reason(
 
 def test_an_order_is_answered_with_what_it_led_to(write: Callable[..., Path]) -> None:
     file = write()
-    program, socket = str(Path(sys.executable).with_name("clearway")), str(file.parent / "c.sock")
+    socket = file.parent / "c.sock"
 
     def order(name: str) -> str:
         told = call(name, "--socket", socket)
         assert told.code == 0, told
         return told.out.split(":")[0]
 
-    arguments = [program, "run", str(file), "--no-dashboard", "--socket", socket]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
+    with Program(["run", file, "--no-dashboard", "--socket", socket], stdout=PIPE) as process:
         try:
             assert process.stdout is not None
             lines = iter(process.stdout.readline, "")
@@ -159,12 +158,9 @@ def test_an_order_is_answered_with_what_it_led_to(write: Callable[..., Path]) ->
 
 
 def test_ctrl_c_in_mid_run_ends_it_in_order(tmp_path: Path, write: Callable[..., Path]) -> None:
-    program = Path(sys.executable).with_name("clearway")
     report_file = tmp_path / "report.json"
-    arguments = [str(program), "run", str(write()), "--once", "--report", str(report_file)]
-    with subprocess.Popen(
-        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+    arguments = ("run", write(), "--once", "--report", report_file)
+    with Program(arguments, stdout=PIPE, stderr=PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         lines = iter(process.stdout.readline, "")
@@ -187,9 +183,8 @@ def test_a_computer_that_stands_still_meanwhile_makes_a_simulated_run_longer_and
     tmp_path: Path, write: Callable[..., Path]
 ) -> None:
     report_file = tmp_path / "report.json"
-    program = Path(sys.executable).with_name("clearway")
-    arguments = [str(program), "run", str(write()), "--once", "--report", str(report_file)]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
+    arguments = ("run", write(), "--once", "--report", report_file)
+    with Program(arguments, stdout=PIPE) as process:
         assert process.stdout is not None
         for line in process.stdout:
             if "driving" in line:
@@ -314,26 +309,3 @@ def test_a_robot_that_is_not_in_view_is_held_and_that_is_said(config: Config, wo
         assert told.pose is None
     track = world.truths[""].track()
     assert np.ptp(track[:, 1:3], axis=0).max() < 1e-6, "it never moved"
-
-
-def test_a_robot_lost_from_view_stops_and_goes_on_when_seen_again(
-    config: Config, world: World
-) -> None:
-    hidden = [False]
-    true = hide(world, lambda: hidden[0])
-    with Daemon(config, world, first_mission_id=7) as daemon:
-        daemon.people.give(stations_of(config))
-        cycle_until(daemon, is_driving)
-        hidden[0] = True
-        held = cycle_until(daemon, lambda now: now.mission.state is State.HOLDING)
-        assert re.search(r"marker|robot|seen|hidden", held.sentence)
-        cycle_until(daemon, lambda now: not now.link.running)
-        since_s = time.monotonic()
-        cycle_until(daemon, lambda now: time.monotonic() > since_s + 1.2)
-        stood = true("")
-        cycle_until(daemon, lambda now: time.monotonic() > since_s + 1.7)
-        assert math.dist(stood[:2], true("")[:2]) < 0.001, "it stands while it is not seen"
-        hidden[0] = False
-        ended = cycle_until(daemon, lambda now: now.mission.is_over)
-        assert ended.mission.state is State.DONE
-    assert math.dist(true("")[:2], (0.20, 1.40)) < 0.02

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 import os
 import signal
-import subprocess
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from subprocess import DEVNULL
 
 import pytest
 
 from navigation.control import ControlError, send_order
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from tests.support.pictures import Told, call
+from tests.support.processes.forked import Program
 from tests.support.waiting import wait_until
-from tests.system.test_kill_9 import PROGRAM, folder
+from tests.system.test_kill_9 import folder
 
 __all__ = ["folder"]
 
@@ -37,7 +38,7 @@ class Bench:
     def __init__(self, folder: Path) -> None:
         self.folder, self.socket = folder, folder / "c.sock"
         self.reader = PoseReader(folder / "runs" / "robot.pose")
-        self.program: subprocess.Popen[str] | None = None
+        self.program: Program | None = None
 
     def pose(self) -> tuple[float, float, float]:
         while True:
@@ -48,10 +49,8 @@ class Bench:
 
     def begin(self) -> None:
         """`clearway run`, until it takes orders."""
-        arguments = [str(PROGRAM), "run", CONFIG, "--no-dashboard", "--socket", str(self.socket)]
-        self.program = subprocess.Popen(
-            arguments, cwd=self.folder, stdout=subprocess.DEVNULL, text=True
-        )
+        arguments = ("run", CONFIG, "--no-dashboard", "--socket", self.socket)
+        self.program = Program(arguments, cwd=self.folder, stdout=DEVNULL)
         assert wait_until(lambda: self.state() is not None, WITHIN_S)
 
     def end(self, number: signal.Signals) -> None:

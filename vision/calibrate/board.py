@@ -286,6 +286,10 @@ def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
 
 
 def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
+    # quick, and as good as sure where nothing is added; a search that finds nothing takes 0.15 s
+    _, _, grown = cv2.findChessboardCornersSBWithMeta(grey, (columns, rows), cv2.CALIB_CB_LARGER)
+    if grown is not None and sorted(grown.shape[:2]) == sorted((columns, rows)):
+        return None
     for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
         if cv2.findChessboardCorners(grey, wider)[0]:
             return wider

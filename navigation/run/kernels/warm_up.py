@@ -1,19 +1,21 @@
 """Compile or load every kernel before the robot may move.
 
 A small arena goes through the daemon's own parts. A kernel first needed during a drive would cost a
-moving robot half a second. Loading takes about a second; the first time on a machine, two processes
-compile.
+moving robot half a second. Loading takes about a second, once in a process; the first time on a
+machine, two processes compile.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 
 import cv2
 import numpy as np
 
 from navigation.config import Config
+from navigation.config.sections import RobotSection, VisionSection
 from navigation.loop.planning import ArenaPlanner, PlanSettings
 from navigation.loop.seeing.eye import Eye, EyeSettings, RobotShape
 from navigation.mission.cycle import PlanRequest
@@ -61,8 +63,7 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
     if kernels_are_cold():
         say("compiling the kernels, once on this machine: some minutes")
         say_now_and_then(compile_kernels(config), say)
-    # loads the compiled kernels, and compiles any that failed
-    _run_planner(_see(config))
+    _load(config.vision, config.robot)
     if config.robots:
         plan_together(config)
 
@@ -89,7 +90,7 @@ def compile_kernels(config: Config) -> Iterator[CompileProgress]:
 
 def compile_eye(config: Config) -> None:
     """Send pictures with every kind of border through the eye, for its kernels."""
-    _see(config)
+    _see(config.vision, config.robot)
 
 
 def compile_planner() -> None:
@@ -114,29 +115,35 @@ def kernels_are_cold() -> bool:
     return not (is_compiled(triangulate) and is_compiled(fit_borders))
 
 
-def _see(config: Config) -> list[Scene]:
+@cache  # a configuration that is read again finds them loaded
+def _load(vision: VisionSection, robot: RobotSection) -> None:
+    """Load the compiled kernels that these sections need, and compile any that failed."""
+    _run_planner(_see(vision, robot))
+
+
+def _see(vision: VisionSection, robot: RobotSection) -> list[Scene]:
     """The three scenes of an arena in which a disc appears and disappears."""
-    warm_up_binarisation(config.vision.polarity)
+    warm_up_binarisation(vision.polarity)
     flat = Calibration.from_scale(METRES_PER_PIXEL, SIZE_PX)
     calibration = replace(flat, distortion=np.array(SLIGHT_LENS))
-    robot = MarkedRobot(config.robot.marker_id, MARKER_PX * METRES_PER_PIXEL)
+    marked = MarkedRobot(robot.marker_id, MARKER_PX * METRES_PER_PIXEL)
     eye = Eye(
         calibration,
-        MarkerTracker(calibration, [robot], config.robot.dictionary),
+        MarkerTracker(calibration, [marked], robot.dictionary),
         EyeSettings(
             bounds_m=BOUNDS,
-            polarity=config.vision.polarity,
-            method=config.vision.method,
-            threshold=config.vision.threshold,
-            driven_ids=(robot.id,),
-            bodies={robot.id: RobotShape(BODY_RADIUS_M, 0.0)},
+            polarity=vision.polarity,
+            method=vision.method,
+            threshold=vision.threshold,
+            driven_ids=(marked.id,),
+            bodies={marked.id: RobotShape(BODY_RADIUS_M, 0.0)},
         ),
     )
     rng = np.random.default_rng(0)
     scenes = []
     for number in range(EMPTY_FRAMES + 2 * CHANGED_FRAMES):
         changed = 0 <= number - EMPTY_FRAMES < CHANGED_FRAMES
-        picture = _picture(config, rng, stranger=changed)
+        picture = _picture(vision, robot, rng, stranger=changed)
         glimpse = eye.look(Frame(picture, number / 30.0, number, "warm-up"))
         if glimpse.scene is not None:
             scenes.append(glimpse.scene)
@@ -162,15 +169,17 @@ def _run_planner(scenes: Sequence[Scene]) -> None:
     _ = arena_planner.roadmap.graph  # loads networkx, which pages and the final picture need
 
 
-def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Image:
+def _picture(
+    vision: VisionSection, robot: RobotSection, rng: np.random.Generator, *, stranger: bool
+) -> Image:
     picture = np.full((SIZE_PX[1], SIZE_PX[0]), 225, np.uint8)
     picture[130:180, 180:230] = 25
     cv2.circle(picture, (300, 230), 25, 25, -1)
     if stranger:
         cv2.circle(picture, (200, 260), 15, 25, -1)
-    book = dictionary_by_name(config.robot.dictionary)
-    marker = cv2.aruco.generateImageMarker(book, config.robot.marker_id, MARKER_PX)
-    if config.vision.polarity == "light":
+    book = dictionary_by_name(robot.dictionary)
+    marker = cv2.aruco.generateImageMarker(book, robot.marker_id, MARKER_PX)
+    if vision.polarity == "light":
         picture = 255 - picture
     picture[202:258, 42:98] = 225  # the marker's quiet zone on any floor
     picture[210 : 210 + MARKER_PX, 50 : 50 + MARKER_PX] = marker

@@ -123,11 +123,11 @@ def judge(chance: Chance) -> None:
     assert chance.late() == []
 
 
-@pytest.mark.parametrize("seed", [*range(12), 13, 29, 45, 52, 276, 397, 574, 583, 650, 748, 996])
+@pytest.mark.parametrize("seed", [*range(4), 13, 29, 45, 52, 276, 397, 574, 583, 650, 748, 996])
 def test_nobody_touches_anybody_and_all_who_live_arrive(seed: int) -> None:
     judge(Chance(seed, 2, 7))
 
 
-@pytest.mark.parametrize("seed", [*range(6), 13, 109, 190, 319, 667, 688, 1768])
+@pytest.mark.parametrize("seed", [*range(2), 13, 109, 190, 319, 667, 688, 1768])
 def test_many_robots_in_a_small_hall(seed: int) -> None:
     judge(Chance(seed, 7, 11))

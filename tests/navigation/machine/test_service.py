@@ -15,6 +15,7 @@ import pytest
 
 from navigation.machine.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call
+from tests.support.processes.forked import Program
 from tests.support.processes.systemd import messages_to
 from tests.support.runs.light_camera import with_light_camera
 from tests.support.waiting import wait_until
@@ -40,11 +41,10 @@ def test_a_service_says_ready_lives_reads_a_broken_file_and_stops(
     arguments += ["--socket", str(tmp_path / "private" / "socket")]
     with (
         log.open("w") as err,
-        subprocess.Popen(
-            [str(PROGRAM), *arguments],
-            cwd=tmp_path, env=environment, stderr=err, stdout=subprocess.DEVNULL,
+        Program(
+            arguments, cwd=tmp_path, env=environment, stderr=err, stdout=subprocess.DEVNULL
         ) as process,
-    ):  # fmt: skip
+    ):
         seen: list[str] = []
 
         def is_ready() -> bool:

@@ -34,6 +34,14 @@ def apart(config: Config) -> Iterator[SimulationApart]:
     simulation.stop()
 
 
+@pytest.fixture(scope="module")
+def shared(config: Config) -> Iterator[SimulationApart]:
+    """One for tests that leave it as it was, but for the numbers of its pictures."""
+    simulation = SimulationApart(config)
+    yield simulation
+    simulation.stop()
+
+
 def test_its_camera_shows_what_the_camera_of_this_process_shows(
     config: Config, apart: SimulationApart
 ) -> None:
@@ -55,27 +63,28 @@ def test_its_camera_shows_what_the_camera_of_this_process_shows(
     assert cameras[0].name == cameras[1].name
 
 
-def test_a_camera_that_is_asked_too_early_gives_nothing_yet(apart: SimulationApart) -> None:
-    camera = apart.open_camera()
+def test_a_camera_that_is_asked_too_early_gives_nothing_yet(shared: SimulationApart) -> None:
+    camera = shared.open_camera()
     camera.open()
     assert camera.read(5.0) is not None
     # on a busy machine the next picture may be due before it is asked for
     assert wait_until(lambda: camera.read(0.0) is None)
+    camera.close()
 
 
-def test_a_camera_that_is_not_open_says_so(apart: SimulationApart) -> None:
+def test_a_camera_that_is_not_open_says_so(shared: SimulationApart) -> None:
     with pytest.raises(CameraError, match="is not open"):
-        apart.open_camera().read(0.1)
+        shared.open_camera().read(0.1)
 
 
-def test_its_robots_answer_at_their_ports_and_keep_their_track(apart: SimulationApart) -> None:
-    assert len(set(apart.ports.values())) == 8
-    apart.start()
-    with SerialLink(apart.ports["west1"]) as link:
+def test_its_robots_answer_at_their_ports_and_keep_their_track(shared: SimulationApart) -> None:
+    assert len(set(shared.ports.values())) == 8
+    shared.start()
+    with SerialLink(shared.ports["west1"]) as link:
         assert wait_until(lambda: link.snapshot().status is not None)
-    assert apart.pose("west1") == pytest.approx((0.17, 0.78, 0.0))
-    assert wait_until(lambda: len(apart.track("west1")) > 2)
-    assert np.ptp(apart.track("west1")[:, 1:], axis=0).max() == 0.0
+    assert shared.pose("west1") == pytest.approx((0.17, 0.78, 0.0))
+    assert wait_until(lambda: len(shared.track("west1")) > 2)
+    assert np.ptp(shared.track("west1")[:, 1:], axis=0).max() == 0.0
 
 
 def test_when_its_process_dies_the_camera_and_the_links_say_so(apart: SimulationApart) -> None:

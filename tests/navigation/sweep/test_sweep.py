@@ -216,18 +216,18 @@ def test_the_same_seeds_give_the_same_rows_in_one_process_or_in_two(
     small: Path, tmp_path: Path
 ) -> None:
     told = call(
-        "sweep", small, "--runs", 3, "--seed", 4, "--workers", 2, "-o", tmp_path / "s.csv",
+        "sweep", small, "--runs", 2, "--seed", 4, "--workers", 2, "-o", tmp_path / "s.csv",
         "--format", "json",
     )  # fmt: skip
     assert told.code == 0, told
     summary = json.loads(told.out)
-    assert summary["states"] == {"done": 3}
+    assert summary["states"] == {"done": 2}
     assert summary["measures"]["min_clearance_m"]["least"] >= 0.1
     with (tmp_path / "s.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["run"] for row in rows] == ["0", "1", "2"]
+    assert [row["run"] for row in rows] == ["0", "1"]
     config = load_config(small, {})
-    for number in (0, 2):
+    for number in (0, 1):
         (here,) = run_rows(config, variation(config, 4, number))
         values = {name: getattr(here, name) for name in rows[number]}
         written = {name: "" if value is None else str(value) for name, value in values.items()}

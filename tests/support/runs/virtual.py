@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ def short_config(
     stations: list[dict[str, float]], *, simulation: dict[str, Any] | None = None, **sections: Any
 ) -> Config:
     """configs/simulation.yaml with a small camera, these stations and changed keys."""
-    base = load_config(CONFIGS / "simulation.yaml", {}).model_dump()
+    base = _shipped().model_dump()
     base["camera"].update(SMALL_CAMERA)
     base["mission"]["stations"] = stations
     base["simulation"]["camera"].update(focal_px=617.5, centre_offset_px=(2.6, -1.9))
@@ -33,6 +34,11 @@ def short_config(
         else:
             base[name] = keys
     return Config.model_validate(base)
+
+
+@cache
+def _shipped() -> Config:
+    return load_config(CONFIGS / "simulation.yaml", {})
 
 
 def cycle_until(

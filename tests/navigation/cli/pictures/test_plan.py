@@ -9,12 +9,15 @@ import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
+from subprocess import PIPE
 
 import cv2
 import numpy as np
 import pytest
 
 from navigation.cli.main import run
+from tests.support.pictures import Told
+from tests.support.processes.forked import Program
 
 ARENA = """\
 #@ clearway.scene/1
@@ -363,7 +366,6 @@ def test_a_plan_that_draws_nothing_loads_no_networkx(tmp_path):
         f"code = run(['plan', {str(file)!r}, '--start', '2,4', '--goal', '8,4', '--radius', '0.3'])"
         "\nsys.exit(code or 'networkx' in sys.modules)"
     )
-    subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)  # compiles
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()
 
@@ -379,11 +381,15 @@ def drawn(tmp_path: Path) -> Path:
     return path
 
 
-def piped(data: bytes, *words: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
-    program = Path(sys.executable).with_name("clearway")
-    return subprocess.run(
-        [program, *map(str, words)], input=data, capture_output=True, cwd=cwd, timeout=120
-    )
+def piped(data: bytes, *words: object, cwd: Path | None = None) -> Told:
+    """Answer to what comes through a pipe, which holds 64 KiB."""
+    end, start = os.pipe()
+    os.write(start, data)
+    os.close(start)
+    program = Program(words, cwd=cwd, stdin=end, stdout=PIPE, stderr=PIPE)
+    os.close(end)
+    out, err = program.communicate(120)
+    return Told(program.wait(), out, err)
 
 
 @pytest.mark.parametrize("command", ["plan", "roadmap"])
@@ -405,17 +411,17 @@ def test_what_is_an_obstacle_is_said_as_for_extract(drawn, tmp_path, capsys, com
 
 def test_a_picture_is_read_from_standard_input_and_passed_on(drawn):
     scene = piped(drawn.read_bytes(), "extract", "-", "-o", "-")
-    assert scene.returncode == 0
-    assert scene.stdout.startswith(b"#@ clearway.scene/1")
-    graph = piped(scene.stdout, "roadmap", "-", "--radius", 5, "-o", "-")
-    assert graph.returncode == 0, graph.stderr
-    assert json.loads(graph.stdout)["nodes"]
-    assert b"nodes, " in graph.stderr
+    assert scene.code == 0
+    assert scene.out.startswith("#@ clearway.scene/1")
+    graph = piped(scene.out.encode(), "roadmap", "-", "--radius", 5, "-o", "-")
+    assert graph.code == 0, graph.err
+    assert json.loads(graph.out)["nodes"]
+    assert "nodes, " in graph.err
     words = ("--start", "20,20", "--goal", "280,180", "--radius", 5)
-    both = (scene.stdout, drawn.read_bytes())
-    answers = [piped(data, "plan", "-", *words).stdout for data in both]
+    both = (scene.out.encode(), drawn.read_bytes())
+    answers = [piped(data, "plan", "-", *words).out for data in both]
     of_file = piped(b"", "plan", drawn, *words)
-    assert answers[0] == answers[1] == of_file.stdout
+    assert answers[0] == answers[1] == of_file.out
 
 
 def test_the_picture_of_a_piped_ros_map_lies_where_one_is(tmp_path):
@@ -427,7 +433,7 @@ def test_the_picture_of_a_piped_ros_map_lies_where_one_is(tmp_path):
         b"occupied_thresh: 0.65\nfree_thresh: 0.25\n"
     )
     words = ("plan", "-", "--start", "0.5,0.5", "--goal", "5.5,3.5", "--radius", 0.2)
-    assert piped(header, *words, cwd=tmp_path).returncode == 0
+    assert piped(header, *words, cwd=tmp_path).code == 0
 
 
 @pytest.mark.parametrize(
@@ -441,9 +447,9 @@ def test_the_picture_of_a_piped_ros_map_lies_where_one_is(tmp_path):
 def test_what_cannot_be_read_from_standard_input_is_one_sentence(data, said):
     words = ("plan", "-", "--start", "1,1", "--goal", "2,2", "--radius", 1)
     ended = piped(data, *words)
-    assert ended.returncode == 2
-    assert ended.stderr.decode().startswith(f"clearway: error: {said}")
-    assert ended.stderr.count(b"\n") == 1
+    assert ended.code == 2
+    assert ended.err.startswith(f"clearway: error: {said}")
+    assert ended.err.count("\n") == 1
 
 
 def test_a_scene_is_not_binarised(arena, capsys):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import signal
-import subprocess
-import sys
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from subprocess import PIPE
 
 import pytest
 import yaml
@@ -16,9 +15,9 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from navigation.mission.mission import State
 from tests.navigation.loop.test_fleet_kill import hall
+from tests.support.processes.forked import Program
 from tests.support.waiting import wait_until
 
-PROGRAM = Path(sys.executable).with_name("clearway")
 PAGE = re.compile(r"dashboard at (http://127\.0\.0\.1:\d+)/#token=(\S+)")
 Samples = dict[tuple[str, str | None, str | None], float]
 """By metric, robot and state."""
@@ -32,10 +31,8 @@ def page(tmp_path: Path) -> Iterator[tuple[str, str]]:
     config["simulation"]["time_limit_s"] = 120.0
     config["dashboard"] = {"port": 0}
     (tmp_path / "hall.yaml").write_text(yaml.safe_dump(config))
-    with subprocess.Popen(
-        [PROGRAM, "run", "hall.yaml", "--socket", "c.sock"],
-        cwd=tmp_path, stdout=subprocess.PIPE, text=True,
-    ) as process:  # fmt: skip
+    arguments = ("run", "hall.yaml", "--socket", "c.sock")
+    with Program(arguments, cwd=tmp_path, stdout=PIPE) as process:
         assert process.stdout is not None
         said = ""
         while not PAGE.search(said):

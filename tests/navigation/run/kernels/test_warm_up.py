@@ -69,7 +69,7 @@ def test_kernels_are_cold_where_they_would_be_compiled(
 @pytest.mark.parametrize("polarity", ["dark", "light"])
 def test_in_the_drawn_arena_a_third_obstacle_comes_and_goes(polarity: str) -> None:
     vision = CONFIG.vision.model_copy(update={"polarity": polarity})
-    scenes = warm_up._see(CONFIG.model_copy(update={"vision": vision}))
+    scenes = warm_up._see(vision, CONFIG.robot)
     assert [len(scene.objects) for scene in scenes] == [2, 3, 2]
 
 

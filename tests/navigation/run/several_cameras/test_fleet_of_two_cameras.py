@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
+from subprocess import PIPE, STDOUT
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,12 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
 from navigation.run.calibrations import floor_plan_of
 from navigation.run.virtual_run import run_virtually
+from tests.support.processes.forked import Program
 from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import CONFIGS
 
 pytestmark = pytest.mark.slow
 
-PROGRAM = Path(sys.executable).parent / "clearway"
 RADIUS_M = 0.07
 AWAY_S = 7.0
 BRAKED_S = 0.35 + 0.3 + 0.5 + 0.5
@@ -125,12 +124,10 @@ def test_the_whole_program_drives_them(tmp_path: Path) -> None:
     base["simulation"]["arena"] = str(CONFIGS / "arenas" / "laboratory.txt")
     (tmp_path / "fleet.yaml").write_text(yaml.safe_dump(base))
     arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
-    done = subprocess.run(
-        [PROGRAM, "run", "fleet.yaml", *arguments],
-        cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "cameras left simulated, right simulated" in done.stdout
+    program = Program(["run", "fleet.yaml", *arguments], cwd=tmp_path, stdout=PIPE, stderr=STDOUT)
+    said, _ = program.communicate(timeout=200)
+    assert program.returncode == 0, said
+    assert "cameras left simulated, right simulated" in said
     report = json.loads((tmp_path / "report.json").read_text())
     assert {one["state"] for one in report["robots"].values()} == {"done"}
     assert report["least_gap_m"] > 0.0
