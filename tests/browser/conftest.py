@@ -16,10 +16,7 @@ from planner.roadmap.roadmap import Roadmap
 from tests.browser.programs.served import PATIENCE_S, ShownProgram
 from tests.support.runs.shown import FakeDaemon, laboratory
 
-BROWSERS = ("/usr/bin/chromium-headless-shell", "/usr/bin/chromium")
-"""The first that is there shows the pages. They do it alike; the shell opens no windows, and takes
-a third less of the processor."""
-CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM") or next(filter(os.path.exists, BROWSERS), "")
+CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM", "/usr/bin/chromium")
 UNUSED = [
     # the window of each context would load a page for the list below its address bar
     "WebUIOmniboxPopup", "WebUIOmniboxAimPopup", "WebUIOmniboxFullPopup", "PreloadTopChromeWebUI",
@@ -51,8 +48,8 @@ expect.set_options(timeout=PATIENCE_MS)
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
     """Chromium, one for each worker, and the event loop that Playwright runs in this thread."""
-    if not CHROMIUM:
-        pytest.skip("no Chromium: apt-get install --no-install-recommends chromium-headless-shell")
+    if not Path(CHROMIUM).exists():
+        pytest.skip(f"{CHROMIUM} is missing: apt-get install --no-install-recommends chromium")
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(
             executable_path=CHROMIUM,
