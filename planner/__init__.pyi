@@ -11,6 +11,7 @@ from .fleet.schedule import FleetSchedule as FleetSchedule
 from .formats.mask_files import SpeedLevel as SpeedLevel
 from .formats.mask_files import load_mask as load_mask
 from .formats.mask_files import load_speed_mask as load_speed_mask
+from .formats.mask_files import save_mask as save_mask
 from .formats.scene_io import load_scene as load_scene
 from .formats.scene_io import read_scene_text as read_scene_text
 from .formats.scene_io import write_scene_text as write_scene_text
@@ -55,6 +56,9 @@ from .zones.areas import BandArea as BandArea
 from .zones.areas import CircleArea as CircleArea
 from .zones.areas import MaskArea as MaskArea
 from .zones.areas import PolygonArea as PolygonArea
+from .zones.masks import save_keepout_mask as save_keepout_mask
+from .zones.masks import save_speed_mask as save_speed_mask
+from .zones.masks import speed_zones as speed_zones
 from .zones.zone import Zone as Zone
 from .zones.zoned_roadmap import ZonedRoadmap as ZonedRoadmap
 from .zones.zoned_roadmap import with_zones as with_zones

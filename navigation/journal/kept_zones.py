@@ -26,6 +26,7 @@ from navigation.shared.sealed import SealError, seal, unseal
 from navigation.shared.whole_file import UnwrittenFileError, sync_folder, write_whole
 from planner.scene import SceneError
 from planner.zones.areas import MaskArea
+from planner.zones.masks import mask_of_text, mask_text
 
 KIND: Final = "zones"
 VERSION: Final = 1
@@ -179,7 +180,7 @@ def _written(zone: ZoneSection | None) -> dict[str, Any] | None:
     if zone is None:
         return None
     area = zone.zone().area
-    scene = {"scene": area.as_text()} if isinstance(area, MaskArea) else {}
+    scene = {"scene": mask_text(area)} if isinstance(area, MaskArea) else {}
     return as_written(zone) | scene
 
 
@@ -194,5 +195,5 @@ def _zone(written: dict[str, Any] | None) -> ZoneSection | None:
     if written is None:
         return None
     keys = dict(written)
-    area = MaskArea.of_text(keys.pop("scene"), str(keys["mask"])) if "mask" in keys else None
+    area = mask_of_text(keys.pop("scene"), str(keys["mask"])) if "mask" in keys else None
     return zone_of(keys, area)

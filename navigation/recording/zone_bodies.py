@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from navigation.recording.events import ZonesChanged
 from planner.zones.areas import Area, BandArea, CircleArea, MaskArea, PolygonArea
+from planner.zones.masks import mask_of_text, mask_text
 from planner.zones.zone import Zone
 
 MOST_ZONES: Final = 1000
@@ -47,7 +48,7 @@ def area_body(area: Area) -> dict[str, Any]:
         case BandArea(line, width):
             return {"line": [list(place) for place in line], "width_m": width}
         case MaskArea(_, source):
-            return {"mask": source, "scene": area.as_text()}
+            return {"mask": source, "scene": mask_text(area)}
 
 
 def _zone(plain: dict[str, Any]) -> Zone:
@@ -69,4 +70,4 @@ def _area_of(plain: dict[str, Any]) -> Area:
         return CircleArea((x, y), radius)
     if "line" in plain:
         return BandArea(plain["line"], plain["width_m"])
-    return MaskArea.of_text(plain["scene"], str(plain["mask"]))
+    return mask_of_text(plain["scene"], str(plain["mask"]))

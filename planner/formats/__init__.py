@@ -6,5 +6,5 @@
 - ``scene_json`` writes the scene as JSON, ``scene_json_reader`` reads it.
 - ``map_files`` reads ROS and MovingAI maps, with pictures from ``pgm``; ``grid_maps`` turns their
   cells into a scene; ``map_writer`` writes a scene as a ROS map.
-- ``mask_files`` reads Nav2's masks: keep-out zones and speed limits.
+- ``mask_files`` reads and writes Nav2's masks: keep-out zones and speed limits.
 """

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from planner.scene import (
     Arc,
+    Bounds,
     CircleRecord,
     FloatArray,
     PointRecord,
@@ -26,6 +27,7 @@ from planner.scene import (
     Record,
     Scene,
     SceneError,
+    Vec,
     object_records,
     record_edges,
 )
@@ -45,13 +47,25 @@ def write_map(scene: Scene, path: str | os.PathLike[str], resolution: float) -> 
     ``resolution`` is a cell's side in metres. Raises :class:`SceneError` if the scene is not in
     metres, the resolution is senseless, or writing fails.
     """
+    file = Path(path)
     occupied = occupied_cells(scene, resolution)
     shades = np.where(occupied, OCCUPIED, FREE_BYTE).astype(np.uint8)
-    file, b = Path(path), scene.bounds
+    b = scene.bounds
+    write_picture(file, shades, resolution, (b.x_min, b.y_min), TRINARY)
+
+
+def write_picture(
+    file: Path, shades: NDArray[np.uint8], resolution: float, origin: Vec, thresholds: str
+) -> None:
+    """Write a map's YAML and its PGM; row 0 of ``shades`` is at the least y.
+
+    ``thresholds`` are the YAML's lines with mode and thresholds. :class:`SceneError` if writing
+    fails.
+    """
     picture = file.with_suffix(".pgm")
     header = (
         f"image: {picture.name}\nresolution: {resolution!r}\n"
-        f"origin: [{b.x_min!r}, {b.y_min!r}, 0.0]\nnegate: 0\n{TRINARY}"
+        f"origin: [{origin[0]!r}, {origin[1]!r}, 0.0]\nnegate: 0\n{thresholds}"
     )
     rows, columns = shades.shape
     try:
@@ -66,11 +80,23 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
 
     Errors as :func:`write_map`.
     """
+    occupied = covered_cells(scene, scene.bounds, resolution)
+    rows, columns = occupied.shape
+    b = scene.bounds
+    occupied[:, b.width / resolution + ON_EDGE < np.arange(1, columns + 1)] = True
+    occupied[b.height / resolution + ON_EDGE < np.arange(1, rows + 1)] = True
+    return occupied
+
+
+def covered_cells(scene: Scene, b: Bounds, resolution: float) -> NDArray[np.bool_]:
+    """Cells that contain part of an object, as (rows, columns), row 0 at ``b``'s least y.
+
+    Errors as :func:`write_map`.
+    """
     if scene.units != "m":
         raise SceneError(f"a scene in {scene.units}: a ROS map is in metres, calibrate it first")
     if not (math.isfinite(resolution) and resolution > 0.0):
         raise SceneError(f"resolution = {resolution:g}: must be > 0 and finite")
-    b = scene.bounds
     columns, rows = (max(1, math.ceil(side / resolution - ON_EDGE)) for side in (b.width, b.height))
     if columns * rows > MOST_CELLS:
         raise SceneError(
@@ -87,8 +113,6 @@ def occupied_cells(scene: Scene, resolution: float) -> NDArray[np.bool_]:
                 rings.append(line)
         if rings:
             _fill(occupied, rings)
-    occupied[:, b.width / resolution + ON_EDGE < np.arange(1, columns + 1)] = True
-    occupied[b.height / resolution + ON_EDGE < np.arange(1, rows + 1)] = True
     return occupied
 
 

@@ -4,12 +4,15 @@
   SpeedFilter limits a robot whose centre is there to base + multiplier * d, in percent of its
   largest speed or in m/s. There is no limit where d is 0 or unknown, where the result is 0 (Nav2's
   NO_SPEED_LIMIT), negative, or above 100 %, and off the mask.
+- Masks are written in the mode ``scale``; of several limits in a cell the slowest is kept. A mask
+  read from a file without yaw gives the same cells again at its own resolution.
 """
 
 from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,12 +28,14 @@ from planner.formats.map_files import (
     read_map_picture,
     read_text,
 )
-from planner.scene import Scene
+from planner.formats.map_writer import ON_EDGE, covered_cells, write_picture
+from planner.scene import Bounds, Scene, SceneError
 
 NO_LIMIT, MOST_DATA = 0, 100
 """Numbers of a cell without a limit, and of a wholly occupied one."""
 BASE_PERCENT, MULTIPLIER_PERCENT = 100.0, -1.0
 """Nav2's own example: an occupied cell is slow, in percent (defined by nav2_bringup)."""
+SCALE = "mode: scale\noccupied_thresh: 1.0\nfree_thresh: 0.0\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,3 +151,69 @@ def cell_data(
         data[part <= low] = NO_LIMIT
     data[transparent] = -1.0
     return data.astype(np.int64)
+
+
+def save_mask(
+    areas: Scene | Sequence[SpeedLevel],
+    path: str | os.PathLike[str],
+    resolution: float,
+    *,
+    base: float = BASE_PERCENT,
+    multiplier: float = MULTIPLIER_PERCENT,
+) -> None:
+    """Write a keep-out mask of a scene's objects, or a speed mask of levels, for Nav2.
+
+    ``path`` is a ``.yaml`` file; its picture is written beside it. The mask covers the bounds of
+    the areas in cells of ``resolution`` metres. A limit that ``base`` and ``multiplier`` cannot
+    express is rounded to the next slower one. Raises :class:`SceneError` if the areas are not in
+    metres, a limit cannot be expressed, or writing fails.
+    """
+    _check_scale(base, multiplier)
+    if isinstance(areas, Scene):
+        data = np.where(covered_cells(areas, areas.bounds, resolution), MOST_DATA, NO_LIMIT)
+        bounds = areas.bounds
+    else:
+        bounds = _bounds_of(areas)
+        data = _speed_data(areas, bounds, resolution, base, multiplier)
+    shades = np.rint(255.0 * (1.0 - data / MOST_DATA)).astype(np.uint8)
+    write_picture(Path(path), shades, resolution, (bounds.x_min, bounds.y_min), SCALE)
+
+
+def _bounds_of(levels: Sequence[SpeedLevel]) -> Bounds:
+    if not levels:
+        raise SceneError("levels: must be at least one")
+    boxes = np.array([level.area.view for level in levels])
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    return Bounds(*low.tolist(), *high.tolist())
+
+
+def _speed_data(
+    levels: Sequence[SpeedLevel],
+    bounds: Bounds,
+    resolution: float,
+    base: float,
+    multiplier: float,
+) -> NDArray[np.int64]:
+    if len({level.speed_percent is None for level in levels}) > 1:
+        raise SceneError("levels: must all be in percent, or all in m/s")
+    data: NDArray[np.int64] | None = None
+    for level in sorted(levels, key=lambda one: -one.limit):
+        covered = covered_cells(level.area, bounds, resolution)
+        data = np.zeros(covered.shape, np.int64) if data is None else data
+        data[covered] = _number(level, base, multiplier)
+    assert data is not None
+    return data
+
+
+def _number(level: SpeedLevel, base: float, multiplier: float) -> int:
+    """Number of the fastest cell that is not faster than a limit."""
+    percent = level.speed_percent is not None
+    exact = (level.limit - base) / multiplier
+    number = math.ceil(exact - ON_EDGE) if multiplier < 0.0 else math.floor(exact + ON_EDGE)
+    number = max(number, 1) if multiplier < 0.0 else min(number, MOST_DATA)
+    if not 1 <= number <= MOST_DATA or _limit(number, base, multiplier, percent) is None:
+        raise SceneError(
+            f"a limit of {level}: must be base {base:g} + multiplier {multiplier:g} x a number"
+            " in 1..100"
+        )
+    return number

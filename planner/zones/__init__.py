@@ -4,7 +4,7 @@
 - ``zone_ground`` measures places and paths against a zone; ``rules`` checks a path.
 - ``way_out`` leads a robot out of a keep-out zone; ``lanes`` plans over lanes and one-way zones.
 - ``zoned_roadmap`` combines these into a roadmap with zones.
-- ``ruled_graph`` applies zones to an exported graph.
+- ``masks`` reads and writes Nav2's masks; ``ruled_graph`` applies zones to an exported graph.
 
 A zone is no obstacle: clearances are those to the walls, with or without zones.
 """

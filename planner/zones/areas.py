@@ -12,18 +12,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
 
-from planner.formats.scene_text import read_scene_text, write_scene_text
 from planner.scene import (
     Arc,
     CircleRecord,
     PolygonRecord,
-    Scene,
     SceneError,
     SceneObject,
     Segment,
     Vec,
-    derived_bounds,
-    extent_points,
 )
 from planner.scene.polygons import objects_from_polygons
 from planner.shared.arguments import as_float, as_numbers
@@ -98,16 +94,6 @@ class MaskArea:
         """Return the mask's objects."""
         del y_down  # a mask is in metres, as its map
         return self.objects
-
-    def as_text(self) -> str:
-        """Write it as a scene text, without its source; it must have an object."""
-        places = (place for one in self.objects for place in extent_points(one))
-        return write_scene_text(Scene("m", derived_bounds(places), self.objects))
-
-    @staticmethod
-    def of_text(text: str, source: str) -> MaskArea:
-        """Read an equal area from its :meth:`as_text`; :class:`SceneError` for other text."""
-        return MaskArea(read_scene_text(text, "kept mask").objects, source)
 
 
 Area: TypeAlias = PolygonArea | CircleArea | BandArea | MaskArea

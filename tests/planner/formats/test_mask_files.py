@@ -1,4 +1,4 @@
-"""Nav2's masks: cells mean what its map server and filters make of them."""
+"""Nav2's masks: cells mean what its map server and filters make of them, and are written so."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from planner import Scene, SceneError, SpeedLevel, load_mask, load_speed_mask
+from planner import Scene, SceneError, SpeedLevel, load_mask, load_speed_mask, save_mask
 from planner.formats.map_files import parse_map_header
 from planner.formats.mask_files import cell_data
+from planner.formats.pgm import parse_pgm
 
 
 def write(folder: Path, cells: np.ndarray, mode: str, free: float, occupied: float) -> Path:
@@ -68,15 +69,56 @@ def test_limits_are_base_and_multiplier_times_the_number_and_none_where_nav2_has
     assert load_speed_mask(path, percent=False, base=-3.0, multiplier=0.02) == ()
 
 
-def test_occupied_cells_are_zones_and_unknown_ones_are_none(tmp_path):
-    cells = np.array([[0, 205, 254, 0]])
-    zones = load_mask(write(tmp_path, cells, "trinary", 0.25, 0.65))
-    corners = [one.records[0].edges[0].start for one in zones.objects]
-    assert corners == [(-1.0, 2.5), (0.5, 2.5)]
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_written_is_read_again_cell_by_cell(seed, tmp_path):
+    rng = np.random.default_rng(seed)
+    numbers = rng.choice([0, 1, 20, 50, 99], (7, 9))
+    shades = np.rint(255 * (1 - numbers / 100))
+    path = write(tmp_path, shades, "scale", 0.0, 1.0)
+    levels = load_speed_mask(path)
+    save_mask(levels, tmp_path / "again.yaml", 0.5)
+    again = load_speed_mask(tmp_path / "again.yaml")
+    assert [level.limit for level in again] == [level.limit for level in levels]
+    assert [level.area.objects for level in again] == [level.area.objects for level in levels]
+    pixels = parse_pgm((tmp_path / "again.pgm").read_bytes(), "again")
+    np.testing.assert_array_equal(np.rint(255 * pixels), shades)
+    zones = load_mask(write(tmp_path, np.where(numbers > 20, 0, 255), "trinary", 0.25, 0.65))
+    save_mask(zones, tmp_path / "zones.yaml", 0.5)
+    again = load_mask(tmp_path / "zones.yaml")
+    assert again.objects == zones.objects
+    assert again.bounds == zones.bounds
 
 
-def test_senseless_limits_and_missing_files_are_refused(tmp_path):
+def test_areas_of_any_shape_cover_the_cells_that_they_reach_into_and_the_slowest_counts(tmp_path):
+    bounds = (0.0, 0.0, 4.0, 2.0)
+    wide = Scene.from_polygons([[(0.2, 0.2), (3.5, 0.2), (3.5, 0.9), (0.2, 0.9)]], bounds=bounds)
+    disc = Scene.from_polygons(circles=[(2.5, 0.5, 0.2)], bounds=bounds)
+    levels = [SpeedLevel(wide, 60.0), SpeedLevel(disc, 33.3)]
+    save_mask(levels, tmp_path / "m.yaml", 1.0)
+    pixels = np.rint(255 * parse_pgm((tmp_path / "m.pgm").read_bytes(), "m")).astype(int)
+    # the upper row is free; of 33.3 % the next slower is 33 %
+    assert pixels.tolist() == [[255] * 4, [153, 153, 84, 153]]
+    assert [one.limit for one in load_speed_mask(tmp_path / "m.yaml")] == [33.0, 60.0]
+    save_mask([SpeedLevel(disc, None, 0.75)], tmp_path / "m.yaml", 1.0, base=0.0, multiplier=0.02)
+    (one,) = load_speed_mask(tmp_path / "m.yaml", percent=False, base=0.0, multiplier=0.02)
+    assert one.speed_m_s == pytest.approx(0.74)
+
+
+def test_senseless_masks_are_refused_with_the_limit(tmp_path):
     area = Scene.from_polygons(circles=[(1, 1, 0.5)], bounds=(0, 0, 2, 2))
+    path = tmp_path / "m.yaml"
+    with pytest.raises(SceneError, match="levels: must be at least one"):
+        save_mask([], path, 0.1)
+    with pytest.raises(SceneError, match="must all be in percent, or all in m/s"):
+        save_mask([SpeedLevel(area, 50.0), SpeedLevel(area, None, 1.0)], path, 0.1)
+    with pytest.raises(SceneError, match=r"a limit of 0\.001 m/s: must be base 0 \+ multiplier"):
+        save_mask([SpeedLevel(area, None, 0.001)], path, 0.1, base=0.0, multiplier=0.02)
+    with pytest.raises(SceneError, match=r"resolution = 0: must be > 0"):
+        save_mask(area, path, 0.0)
+    with pytest.raises(SceneError, match="in px"):
+        save_mask(Scene.from_polygons(circles=[(1, 1, 0.5)], units="px"), path, 0.1)
+    with pytest.raises(ValueError, match="multiplier = 0: must be finite and not 0"):
+        save_mask(area, path, 0.1, multiplier=0.0)
     for wrong in ({}, {"speed_percent": 50.0, "speed_m_s": 1.0}):
         with pytest.raises(ValueError, match="must be one of them"):
             SpeedLevel(area, **wrong)
@@ -90,5 +132,3 @@ def test_senseless_limits_and_missing_files_are_refused(tmp_path):
             SpeedLevel(area, **wrong)
     with pytest.raises(SceneError, match="No such file"):
         load_speed_mask(tmp_path / "none.yaml")
-    with pytest.raises(ValueError, match="multiplier = 0: must be finite and not 0"):
-        load_speed_mask(tmp_path / "none.yaml", multiplier=0.0)
