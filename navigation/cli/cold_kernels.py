@@ -34,20 +34,21 @@ def compile_what_is_missing(*parts: Part) -> None:
 
 
 def _is_cold(part: Part) -> bool:
-    """True if one large kernel of the part is missing; unneeded ones are not imported."""
+    """True if a large kernel of the part is missing; unneeded ones are not imported."""
     from planner.shared.kernel_locator import is_compiled
 
     if part == "eye":
         from vision.outline.fitting_kernels import fit_borders
+        from vision.outline.separated_border_kernels import fit_separated_borders
 
-        return not is_compiled(fit_borders)
+        return not (is_compiled(fit_borders) and is_compiled(fit_separated_borders))
     from planner.delaunay.insertion_kernels import triangulate
 
     return not is_compiled(triangulate)
 
 
 def _work_of(part: Part) -> Callable[[], None]:
-    from navigation.run.kernels.rehearsal import see_an_arena
+    from navigation.run.kernels.rehearsal import see_pictures
     from navigation.run.kernels.warm_up import compile_planner
 
-    return see_an_arena if part == "eye" else compile_planner
+    return see_pictures if part == "eye" else compile_planner

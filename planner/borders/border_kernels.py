@@ -22,7 +22,7 @@ from planner.borders.corner_point_kernels import corner_points, link_borders, wi
 from planner.borders.generator_kernels import count_generators, place_generators
 from planner.borders.inside_kernels import index_closed
 from planner.scene.compile_options import LEAF, OWNING
-from planner.scene.primitive_kernels import POINT, with_middles
+from planner.scene.primitive_kernels import POINT, put_rows, with_middles
 
 
 class NewBorders(NamedTuple):
@@ -70,7 +70,10 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
     c = len(at)
     out_kind, out = np.empty(k + c, np.int8), np.zeros((k + c, 9))
     out_owner = np.empty(k + c, np.int32)
-    out_kind[:k], out[:k], out_owner[:k] = flat_kind, rows, flat_owner
+    for i in range(k):
+        out_kind[i], out_owner[i] = flat_kind[i], flat_owner[i]
+        for d in range(9):
+            out[i, d] = rows[i, d]
     for i in range(c):
         out_kind[k + i] = POINT
         out[k + i, 0], out[k + i, 1] = at[i, 0], at[i, 1]
@@ -144,12 +147,12 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, disc, s
         if kept[j] >= 0:
             stays[kept[j]] = True
         elif j < len(object_boxes):
-            touched[n] = object_boxes[j]
+            put_rows(touched, n, object_boxes[j])
             n += 1
     # trailing objects without pieces have no boxes
     for o in range(min(objects, len(old_boxes))):
         if not stays[o]:
-            touched[n] = old_boxes[o]
+            put_rows(touched, n, old_boxes[o])
             n += 1
     k = len(fresh.backwards)
     fresh_kind, fresh_data, at = fresh.kind[:k], fresh.data[:k], fresh.data[k:, :2]
@@ -202,7 +205,9 @@ def patch_borders(kept, objects, old, came, fresh):
             if j < n and kept[j] < 0:
                 for i in range(new_first[which], new_first[which] + new_count[which]):
                     new_label[i] = m
-                    out_kind[m], out_owner[m], out[m] = new_kind[i], j, new_data[i]
+                    out_kind[m], out_owner[m] = new_kind[i], j
+                    for c in range(9):
+                        out[m, c] = new_data[i, c]
                     m += 1
                 which += 1
                 continue
@@ -211,7 +216,9 @@ def patch_borders(kept, objects, old, came, fresh):
                 o = kept[j]
             for i in range(first[o], first[o] + count[o]):
                 label[i] = m
-                out_kind[m], out_owner[m], out[m] = kind[i], j if j < n else -1, data[i]
+                out_kind[m], out_owner[m] = kind[i], j if j < n else -1
+                for c in range(9):
+                    out[m, c] = data[i, c]
                 m += 1
         if part == 0:
             k = m

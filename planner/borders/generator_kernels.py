@@ -110,7 +110,7 @@ def count_generators(kind, data, backwards, disc, spacing):
         if kind[i] == POINT:
             continue
         # corner points may shift the first and last step by one
-        steps = _steps(kind, data, i, spacing, False, False)
+        steps = _steps(kind, data, i, spacing, np.bool_(False), np.bool_(False))
         if not steps[0] <= MOST_STEPS:
             return np.nan if np.isnan(steps[0]) else np.inf
         for lap in range(2):

@@ -85,7 +85,9 @@ def _in_order(kind, data, runs, objects):
             around[runs[r, 2], c + 2] = max(around[runs[r, 2], c + 2], boxes[r, c + 2])
     code, outer = morton_codes(boxes)[0], morton_codes(around)[0]
     rank = np.empty(objects, np.int64)
-    rank[np.argsort(outer)] = np.arange(objects)
+    order = np.argsort(outer)
+    for i in range(objects):
+        rank[order[i]] = i
     for r in range(m):
         code[r] |= rank[runs[r, 2]] << 32
     return runs[np.argsort(code)]
@@ -132,7 +134,8 @@ def _fill_boxes(pieces, order, level, blocks):
     for tier in range(1, top + 1):
         for b in range(level[tier + 1] - level[tier]):
             row, left = blocks[level[tier] + b], level[tier - 1] + 2 * b
-            row[:4] = blocks[left, :4]
+            for c in range(4):
+                row[c] = blocks[left, c]
             if left + 1 < level[tier]:
                 for c in range(2):
                     row[c] = min(row[c], blocks[left + 1, c])

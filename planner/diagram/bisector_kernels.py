@@ -198,8 +198,8 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
         if m + 1 >= capacity:
             capacity *= 2
             xy, pair = grown(xy, capacity), grown(pair, capacity)
-        xy[m] = points[i]
-        pair[m] = pairs[i]
+        xy[m, 0], xy[m, 1] = points[i, 0], points[i, 1]
+        pair[m, 0], pair[m, 1] = pairs[i, 0], pairs[i, 1]
         m += 1
         if i + 1 == n or pairs[i, 0] < 0:
             continue
@@ -227,7 +227,7 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                             capacity *= 2
                             xy, pair = grown(xy, capacity), grown(pair, capacity)
                         xy[m, 0], xy[m, 1] = qx, qy
-                        pair[m] = pairs[i]
+                        pair[m, 0], pair[m, 1] = pairs[i, 0], pairs[i, 1]
                         m += 1
                         split = False
                 if split:
@@ -243,6 +243,6 @@ def follow(tree, points, pairs, need, flatness, tolerance, exact):
                     capacity *= 2
                     xy, pair = grown(xy, capacity), grown(pair, capacity)
                 xy[m, 0], xy[m, 1] = bx, by
-                pair[m] = pairs[i]
+                pair[m, 0], pair[m, 1] = pairs[i, 0], pairs[i, 1]
                 m += 1
     return xy[:m], pair[:m]

@@ -112,7 +112,7 @@ def bend(points, lengths, corner, reach, tolerance, least_radius):
     bx, by = met[2, 0] - shorter * ux, met[2, 1] - shorter * uy
     side = 1.0 if turn >= 0.0 else -1.0
     curve = np.empty((count + 3, 2))
-    curve[0] = met[0]
+    curve[0, 0], curve[0, 1] = met[0, 0], met[0, 1]
     m = 1
     for k in range(count + 2):
         x, y = met[1, 0], met[1, 1]

@@ -27,7 +27,7 @@ from planner.borders.inside_kernels import ClosedBorders, in_object
 from planner.diagram.bisector_kernels import slide_between
 from planner.diagram.diagram_arrays import ChainArrays
 from planner.scene.compile_options import LEAF, OWNING
-from planner.scene.primitive_kernels import distance, grown, root_of
+from planner.scene.primitive_kernels import distance, grown, put_rows, root_of
 
 CUT_HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
@@ -228,7 +228,8 @@ def wide_parts(tree, solids, chains, nodes, limits):
         for k in range(m, _parts_of(tree, chains, c, lo, hi, limits, parts, m, here)):
             where, places = parts.where[k], parts.places[k]
             if _is_longer(chains.points, where, places, limits.least):
-                parts.where[kept], parts.places[kept] = where, places
+                put_rows(parts.where, kept, where)
+                put_rows(parts.places, kept, places)
                 kept += 1
         m = kept
     return Parts(parts.where[:m], parts.places[:m]), whole
@@ -298,7 +299,8 @@ def cut_chains(tree, chains, nodes, parts, whole):
             for i in range(lo, hi + 1):
                 _copy_point(chains, i, out, n)
                 n += 1
-            out.ends[count], wide[count] = ends[c], whole[c]
+            out.ends[count, 0], out.ends[count, 1] = ends[c, 0], ends[c, 1]
+            wide[count] = whole[c]
             count += 1
             out.first[count] = n
             continue
@@ -308,7 +310,8 @@ def cut_chains(tree, chains, nodes, parts, whole):
         marks = 1
         while k < m and where[k, 0] == c:
             for side in range(2):
-                mark[marks], link[marks] = places[k, side], where[k, 1 + side]
+                put_rows(mark, marks, places[k, side])
+                link[marks] = where[k, 1 + side]
                 number[marks] = -1
                 marks += 1
             k += 1
@@ -324,7 +327,8 @@ def cut_chains(tree, chains, nodes, parts, whole):
             elif i == j and whole_after:
                 number[i] = ends[c, 1]
             else:
-                number[i], node[made] = nodes + made, mark[i]
+                number[i] = nodes + made
+                put_rows(node, made, mark[i])
                 made += 1
         for i in range(marks):
             if (i == 0 and whole_before) or (i == j and whole_after):

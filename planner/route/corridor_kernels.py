@@ -116,7 +116,8 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
                     top += 1
                     continue
             top -= 1
-            here[:] = there
+            for c in range(8):
+                here[c] = there[c]
             if m + 1 >= len(out):
                 out = grown(out, 2 * len(out))
             _portal(here, keep, out[m])
@@ -162,7 +163,9 @@ def funnel(gates, sx, sy, gx, gy):
     """
     n = len(gates)
     gate = np.empty((n + 1, 4))
-    gate[:n] = gates
+    for i in range(n):
+        for c in range(4):
+            gate[i, c] = gates[i, c]
     gate[n, 0], gate[n, 1], gate[n, 2], gate[n, 3] = gx, gy, gx, gy
     out = np.empty((2 * n + 8, 2))
     out[0, 0], out[0, 1] = sx, sy

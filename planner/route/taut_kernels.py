@@ -20,7 +20,7 @@ from planner.borders.clear_kernels import blocker, keeps
 from planner.diagram.bisector_kernels import follow
 from planner.route.corridor_kernels import pull_taut
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import NONE, grown
+from planner.scene.primitive_kernels import NONE, grown, put_rows
 
 UNEQUAL = 1e-2
 """Shortfall of corners by rounding, in parts of what is equal."""
@@ -93,7 +93,7 @@ def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
         lo, hi = first[count], first[count] + len(way)
         if hi > len(out):
             out = grown(out, 2 * hi)
-        out[lo:hi] = way
+        put_rows(out, lo, way)
         count += 1
         first[count] = hi
     return out[: first[count]].copy(), first[: count + 1].copy()

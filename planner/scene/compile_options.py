@@ -8,9 +8,12 @@ Rules
 - Kernels have no C wrappers: these are unused, and took a twentieth of the compile time.
 - Numba compiles a kernel with all that it calls, and again within each caller. A large kernel with
   one caller, of the same options, is therefore ``inline="always"``: numba writes it into its
-  caller first. This applies to 29 kernels and saves a sixth of the compile time
+  caller first. This applies to 30 kernels and saves a sixth of the compile time
   (``python -m benchmarks.start.compile``); with 218 kernels it made compiling slower, as numba's
   own passes take more than twice as long for a function of twice the size.
+- No kernel assigns an array to a part of another, not even a row: numba's message for arrays that
+  do not fit, with all that it needs to write numbers as text, would be linked into it and into
+  every kernel above. Kernels copy in loops, or by ``put_rows``.
 - A kernel is compiled once for every combination of argument types: a literal, or a number of
   another width, costs as much as one more kernel.
 - ``error_model``: divisors are not tested for zero, which would prevent vectorised loops; they

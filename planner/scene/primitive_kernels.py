@@ -79,8 +79,9 @@ def with_middles(kind, data):
     (-2 for the whole circle).
     """
     out = np.zeros((len(kind), 9))
-    out[:, :6] = data
     for i in range(len(kind)):
+        for c in range(6):
+            out[i, c] = data[i, c]
         if kind[i] == ARC:
             half = 0.5 * data[i, 4]
             out[i, 6], out[i, 7] = math.cos(data[i, 3] + half), math.sin(data[i, 3] + half)
@@ -298,5 +299,19 @@ def root_of(parent, i):
 def grown(array, rows):
     """Copy of an array of any shape with ``rows`` rows; new ones are undefined."""
     more = np.empty((rows,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)
-    more[: len(array)] = array
+    flat, values = more.ravel(), array.ravel()
+    for i in range(len(values)):
+        flat[i] = values[i]
     return more
+
+
+@njit(**OWNING)
+def put_rows(into, first, rows):
+    """Copy ``rows``, or a single row, to those of ``into`` from ``first`` on.
+
+    Both are contiguous, and their rows of the same shape. An assignment would do the same, but cost
+    the compiler more (``planner.scene.compile_options``).
+    """
+    flat, values = into[first:].ravel(), rows.ravel()
+    for i in range(len(values)):
+        flat[i] = values[i]

@@ -21,7 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import NONE, grown
+from planner.scene.primitive_kernels import NONE, grown, put_rows
 from planner.search.chain_graph_kernels import ChainGraph, GateCosts, costs_from, pop, pushed
 from planner.search.route_search_kernels import (
     CLEARED,
@@ -86,8 +86,8 @@ def _noted(query, table, cost, entry, out, root, rest, left):
     end = begin + len(root) + len(rest)
     if end > len(steps):
         steps = grown(steps, 2 * end)
-    steps[begin : begin + len(root)] = root
-    steps[begin + len(root) : end] = rest
+    put_rows(steps, begin, root)
+    put_rows(steps, begin + len(root), rest)
     kind = ANSWER
     if entry >= 0:
         way = steps[begin:end]
@@ -259,7 +259,8 @@ def _leave(query, table, told, pick, most, work, budget):
         shut[u] = True
         if at < first:
             continue
-        to_cost[:] = query.goal.cost
+        for i in range(len(to_cost)):
+            to_cost[i] = query.goal.cost[i]
         _bar_told(table, told, entry, way, at, barred, to_cost)
         least = gone + _least_onwards(query, u, shut, barred, to_cost)
         for k in range(graph.around[u], graph.around[u + 1]):
@@ -360,7 +361,8 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
             last, end = begin[laid], begin[laid] + len(xy)
             if end > len(line):
                 line, pair = grown(line, 2 * end), grown(pair, 2 * end)
-            line[last:end], pair[last:end] = xy, beside
+            put_rows(line, last, xy)
+            put_rows(pair, last, beside)
             laid += 1
             begin[laid] = end
         if entry >= 0 and laid < wanted:

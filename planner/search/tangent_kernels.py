@@ -27,6 +27,7 @@ from planner.scene.primitive_kernels import (
     grown,
     has_ends,
     is_round,
+    put_rows,
 )
 from planner.search.chain_graph_kernels import pop, push
 
@@ -83,7 +84,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
     for i in range(k):
         if has_ends(kind[i]):
             _ends(kind, data, i, two)
-            ends[m : m + 2] = two
+            put_rows(ends, m, two)
             m += 2
         if kind[i] == SEGMENT:
             continue
@@ -125,7 +126,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
         x, y = out[i, 0], out[i, 1]
         to = math.hypot(x - start[0], y - start[1]) + math.hypot(x - goal[0], y - goal[1])
         if to - 2.0 * out[i, 2] < longest:
-            out[kept] = out[i]
+            put_rows(out, kept, out[i])
             kept += 1
     return out[:kept]
 

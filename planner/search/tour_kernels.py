@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import put_rows
 
 
 @njit(**OWNING)
@@ -123,7 +124,7 @@ def improve(distance, tour, tolerance):
                 old = distance[tour[i - 1], tour[i]] + inside + distance[tour[j], tour[j + 1]]
                 new = distance[tour[i - 1], tour[j]] + turned + distance[tour[i], tour[j + 1]]
                 if new < old - tolerance:
-                    tour[i : j + 1] = tour[i : j + 1][::-1].copy()
+                    put_rows(tour, i, tour[i : j + 1][::-1].copy())
                     inside, turned = turned, inside
                     better = True
         if _or_opt(distance, tour, tolerance):
@@ -158,6 +159,8 @@ def _or_opt(distance, tour, tolerance):
                     best, where, turned = there, k, True
             if where >= 0:
                 put = block[::-1].copy() if turned else block
-                tour[:] = np.concatenate((rest[: where + 1], put, rest[where + 1 :]))
+                new = np.concatenate((rest[: where + 1], put, rest[where + 1 :]))
+                for k in range(size):
+                    tour[k] = new[k]
                 found = True
     return found

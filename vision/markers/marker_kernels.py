@@ -352,7 +352,8 @@ def _fit_line(points, use, out_line):
             break
         in_line = kept
     near = (use & (distance < _ON_LINE_PX)).sum()
-    use[:] = in_line
+    for i in range(len(use)):
+        use[i] = in_line[i]
     return int(near)
 
 

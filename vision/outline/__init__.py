@@ -8,6 +8,6 @@
 6. `bilevel/`: outlines that separate the pixels of pictures of two grey values.
 7. `check/`: checks every outline against its border; `thin_walls` keeps walls that a fit would cut.
 
-`fitting` (`fitting_kernels`) runs them, with the types of `outline_types` and the memory of
-`fitting_memory`, into `fitted_borders`.
+`fitting` (`fitting_kernels`, and `separated_border_kernels` for pictures of two grey values) runs
+them, with the types of `outline_types` and the memory of `fitting_memory`, into `fitted_borders`.
 """

@@ -20,6 +20,7 @@ from vision.outline.fitting_kernels import fit_borders
 from vision.outline.fitting_memory import make_fitted, memory_for
 from vision.outline.limit_kernels import LOUD_PX, NOISY_PX, QUIET_PX, allow_losses, longest_of
 from vision.outline.outline_types import CrackPixels, Prices
+from vision.outline.separated_border_kernels import fit_separated_borders
 
 SMOOTHING = 0.5311
 """Noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
@@ -112,18 +113,12 @@ def fit_edges(
     pixels = np.zeros(count, np.int64)
     allow_losses(starts, borders.area, borders.owner, pixels, budgets)
     fitted = make_fitted(count, max(len(points), known) + count)
-    edges = fit_borders(
-        np.ascontiguousarray(points),
-        starts,
-        budgets,
-        pixels,
-        CrackPixels(
-            borders.x[:known], borders.y[:known], borders.direction[:known], borders.starts
-        ),
-        tolerance,
-        tolerance.prices,
-        memory_for(longest),
-        fitted,
-    )
+    given = (np.ascontiguousarray(points), starts, budgets, pixels)
+    rest = (tolerance, tolerance.prices, memory_for(longest), fitted)
+    if bilevel:
+        cracks = CrackPixels(borders.x, borders.y, borders.direction, borders.starts)
+        edges = fit_separated_borders(*given, cracks, *rest)
+    else:
+        edges = fit_borders(*given, *rest)
     kind, rows = fitted.kind[:edges].copy(), fitted.rows[:edges].copy()
     return FittedBorders(fitted.border_kind, fitted.edge_starts, kind, rows)

@@ -6,12 +6,12 @@ Rules and units
 - A border is tested for a circle (``vision.outline.whole_circle_kernels``), broken into edges
   (``vision.outline.partition_kernels``), and these are joined
   (``vision.outline.corners.joint_kernels``). They must cover the border
-  (``vision.outline.check.area_lost_kernels``) or, without grey, separate its pixels
-  (``vision.outline.bilevel.separating_chord_kernels``).
+  (``vision.outline.check.area_lost_kernels``).
 - Chords between border points replace an outline that still strays
   (``vision.outline.check.stray_kernels``).
 - A kernel without ``forceinline`` or ``fastmath`` inherits it from its first caller to be compiled.
-  ``fit_borders`` inlines all but rarely called kernels.
+  ``fit_borders`` inlines all but kernels that are called rarely, or in several places: those would
+  be compiled once for each.
 """
 
 # mypy: allow-untyped-defs
@@ -21,14 +21,7 @@ from __future__ import annotations
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.bilevel.merging_kernels import merge_edges
-from vision.outline.bilevel.separating_chord_kernels import all_chords, separate_by_chords
-from vision.outline.bilevel.separation_kernels import fill_cracks, find_cracks
-from vision.outline.canonical_frame_kernels import (
-    bring_cracks_along,
-    bring_into_place,
-    put_edges_back,
-)
+from vision.outline.canonical_frame_kernels import bring_into_place, put_edges_back
 from vision.outline.check.area_lost_kernels import (
     area_beside_circle,
     area_lost,
@@ -42,7 +35,6 @@ from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.missed_arc_kernels import any_bent_line
 from vision.outline.fit.edge_shape_kernels import HUGE
-from vision.outline.fit.outline_kernels import finish_edge
 from vision.outline.fitted_borders import FEWEST_LINES, LINE, POLYGON, TINY_BORDER, WHOLE_CIRCLE
 from vision.outline.limit_kernels import QUIET_PX, limits_of
 from vision.outline.outline_types import (
@@ -58,7 +50,7 @@ from vision.outline.outline_types import (
 )
 from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
-from vision.shared.typed_numbers import ONE, ZERO
+from vision.shared.typed_numbers import NO, ONE, ZERO
 
 FEWEST_POINTS = 10
 """Least points of a fitted border: chosen."""
@@ -71,8 +63,6 @@ DEAD_ZONE_BY, FINER_BY = 0.25, 0.4
 """Factors on the free deviation and on the distance of possible breaks then, with grey: chosen."""
 ROUNDER_BY = 0.85
 """Factor on an arc's price then, with grey: chosen, no dearer than two chords."""
-NO_BLUR = 0.0
-"""Without grey no corner is rounded: defined."""
 SPARE_ROW = 6
 """Row of the scratch numbers for checks, and to finish an edge: defined."""
 HELD_AREA = 400
@@ -80,24 +70,22 @@ HELD_AREA = 400
 
 
 @njit(**LEAF, forceinline=True)
-def fit_borders(
-    points, point_starts, budgets, pixels, crack_pixels, tolerance, prices, memory, fitted
-):  # fmt: skip
+def fit_borders(points, point_starts, budgets, pixels, tolerance, prices, memory, fitted):
     """Write lines, arcs and circles of every border into ``fitted``; returns the number of edges.
 
-    ``budgets``, ``pixels`` (b,): the area each may lose, and its object's pixels;
-    ``crack_pixels``: the borders' cracks if edges must separate their pixels, else none;
-    ``memory``: for the longest border.
+    ``budgets``, ``pixels`` (b,): the area each may lose, and its object's pixels; ``memory``: for
+    the longest border. Where edges must separate a border's pixels,
+    ``vision.outline.separated_border_kernels`` fits them.
 
     Per border: POLYGON, WHOLE_CIRCLE or TINY_BORDER and its first edge. Per edge: LINE, ARC_CW or
     ARC_CCW and a row (6,) of the edge's first point x, y, then cx, cy, r of an arc, and the whole
     border's rms deviation. A circle is one edge of kind LINE with its centre and radius in the row.
     TINY_BORDER borders have no edges.
     """
-    bilevel = crack_pixels.x.shape[0] > 0
-    limits = limits_of(tolerance, bilevel)
+    limits = limits_of(tolerance, NO)
     work = share_out(memory)
     places = work.places
+    cracks = Cracks(places[2], places[3], places[4], places[5], ZERO)
     borders = point_starts.shape[0] - 1
     count = 0
     for b in range(borders):
@@ -108,19 +96,13 @@ def fit_borders(
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
         place = bring_into_place(here, work.scratch.numbers[0], border)
-        known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if bilevel else 0
-        cracks = Cracks(places[2], places[3], places[4], places[5], known)
-        if bilevel:
-            these = slice(crack_pixels.starts[b], crack_pixels.starts[b + 1])
-            fill_cracks(
-                crack_pixels.x[these], crack_pixels.y[these], crack_pixels.direction[these], cracks
-            )
-            place = bring_cracks_along(border, cracks, place)
         finished = FinishedEdges(fitted.kind[count:], fitted.rows[count:], work.at)
-        fitted.border_kind[b], edges = _fit_border(
-            border, cracks, place, budgets[b], pixels[b] >= HELD_AREA, tolerance, limits, prices,
-            work, finished,
-        )  # fmt: skip
+        edges, sound, _ = find_edges(
+            border, cracks, budgets[b], pixels[b] >= HELD_AREA, tolerance, limits, prices, work
+        )
+        if edges > 0:
+            edges = _finish(border, edges, sound, budgets[b], tolerance, limits, work, finished)
+        fitted.border_kind[b], edges = put_back(border, edges, tolerance, place, work, finished)
         count += edges
     fitted.edge_starts[borders] = count
     return count
@@ -152,11 +134,10 @@ def share_out(memory):
 
 
 @njit(**LEAF, inline="always")
-def _fit_border(
-    border, cracks, place, budget, held, tolerance, limits, prices, work, finished
-):  # fmt: skip
-    """Write one border's edges or circle, moved to ``place``; return its kind, and their number.
+def find_edges(border, cracks, budget, held, tolerance, limits, prices, work):
+    """Find one border's edges: their number, 0 if it is a circle.
 
+    Also returns True if they certainly cover it, and True if they are arcs of one circle.
     ``budget``: area that they may lose; ``held``: it binds a single circle too.
     """
     costs = Costs(
@@ -171,8 +152,7 @@ def _fit_border(
     )
     edges = 0
     sound = False
-    bilevel = cracks.n > 0
-    one_circle = bilevel and nearly
+    one_circle = cracks.n > 0 and nearly
     if one_circle:
         # only the last check sees the pixels that it loses
         edges = cut_circle(border, work.circle, work.outline)
@@ -180,17 +160,21 @@ def _fit_border(
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
         )
-    if edges > 0 and bilevel:
-        edges = _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished)
-    elif edges > 0:
-        edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
+    return edges, sound, one_circle
+
+
+@njit(**LEAF, inline="always")
+def put_back(border, edges, tolerance, place, work, finished):
+    """Move one border's finished edges, or its circle, to ``place``; return its kind, and their
+    number.
+    """
     if edges == 0:
         write_circle(border, work.circle, tolerance, place, finished)
         put_edges_back(finished, ONE, place)
         return WHOLE_CIRCLE, ONE
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
-    if edges < FEWEST_LINES and not _number_set(finished.kind, edges):
+    if edges < FEWEST_LINES and not number_set(finished.kind, edges):
         # two lines enclose nothing: the border keeps its pixels' outline
         return TINY_BORDER, ZERO
     return POLYGON, edges
@@ -229,7 +213,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
             edges = edit_outline(
                 border, outline, edges, limits, tolerance.blur_px, costs, prices, work.scratch
             )
-        if bilevel and not _number_set(outline.is_arc, edges):
+        if bilevel and not number_set(outline.is_arc, edges):
             # straight sides lose area at corners: the last check sees it
             break
         if crisp:
@@ -255,39 +239,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 
 
 @njit(**LEAF, inline="always")
-def _finish_bilevel(border, cracks, edges, budget, one_circle, work, finished):
-    """Write edges that separate the pixels of a border without grey; returns their number.
-
-    ``one_circle``: the edges are arcs of one circle; 0 if they stay that.
-    """
-    outline = work.outline
-    scratch = work.scratch
-    crack_of = scratch.indices[0]
-    found = scratch.indices[1]
-    for e in range(edges):
-        finished.kind[e] = finish_edge(
-            border, outline, edges, e, finished.rows, scratch.numbers[SPARE_ROW]
-        )
-    find_cracks(border, cracks, crack_of)
-    for e in range(edges):
-        finished.at[e] = crack_of[outline.breaks[e]]
-    count = separate_by_chords(
-        cracks, finished, edges, budget, scratch.indices[2], scratch.flags[0], found, work.trial,
-        scratch.numbers[0:2],
-    )  # fmt: skip
-    if one_circle and count == edges and _number_set(finished.kind, count) == count:
-        return ZERO
-    if count > edges or _number_set(finished.kind, count):
-        count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, scratch)
-    middles = BorderPoints(cracks.x, cracks.y, cracks.n)
-    if outline_strays(middles, finished, count):
-        count = all_chords(cracks, finished, found)
-    measure_residual(middles, finished, count, NO_BLUR, NO_BLUR)
-    return count
-
-
-@njit(**LEAF, inline="always")
-def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
+def _finish(border, edges, sound, budget, tolerance, limits, work, finished):
     outline = work.outline
     review = work.review
     scratch = work.scratch
@@ -305,7 +257,8 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
 
 
 @njit(**LEAF)
-def _number_set(flags, count):
+def number_set(flags, count):
+    """Number of the first ``count`` flags that are set."""
     number = 0
     for i in range(count):
         number += flags[i] != 0

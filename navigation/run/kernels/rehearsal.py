@@ -48,6 +48,12 @@ def see_an_arena() -> None:
     compile_eye(Config.model_validate(CONFIG))
 
 
+def see_pictures() -> None:
+    """Do that, and see a drawing, whose outlines separate its pixels: no run needs those."""
+    see_an_arena()
+    vision.extract(_drawing())
+
+
 def rehearse_eye() -> None:
     """Run every way from a picture to a scene."""
     see_an_arena()

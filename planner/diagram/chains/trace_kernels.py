@@ -19,6 +19,7 @@ from numba import njit
 from planner.delaunay.triangle_kernels import next_side, previous_side
 from planner.diagram.diagram_arrays import Bent
 from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import put_rows
 
 
 @njit(**OWNING, error_model="numpy")
@@ -193,9 +194,11 @@ def join_chains(kept, old, new):
             last += 1
         lo, hi = old_start[kept[c]], old_start[kept[last] + 1]
         to = offsets[c]
-        out[to : to + hi - lo] = old_out[lo:hi]
-        pair[to : to + hi - lo] = old_pair[lo:hi]
-        proved[to : to + hi - lo] = old_proved[lo:hi]
+        put_rows(out, to, old_out[lo:hi])
+        put_rows(pair, to, old_pair[lo:hi])
+        put_rows(proved, to, old_proved[lo:hi])
         c = last + 1
-    out[n:], pair[n:], proved[n:] = new_out, new_pair, new_proved
+    put_rows(out, n, new_out)
+    put_rows(pair, n, new_pair)
+    put_rows(proved, n, new_proved)
     return Bent(out, pair, offsets, proved)

@@ -17,8 +17,8 @@ def edge_clearances(tree, places, edges):
     found = np.empty(edges.shape[0])
     line = np.empty((2, 2))
     for e in range(edges.shape[0]):
-        line[0] = places[edges[e, 0]]
-        line[1] = places[edges[e, 1]]
+        for k in range(2):
+            line[k, 0], line[k, 1] = places[edges[e, k], 0], places[edges[e, k], 1]
         found[e] = polyline_clearance(tree, line)[0]
     return found
 

@@ -341,14 +341,21 @@ def moves_along(places, way, arrivals, departures, radius):
         x, y = places[way[k], 0], places[way[k], 1]
         until = departures[k] if k < length - 1 else HORIZON
         if until > arrivals[k]:
-            rows[used] = (x, y, 0.0, 0.0, arrivals[k], until - arrivals[k], radius)
+            _put(rows[used], x, y, 0.0, 0.0, arrivals[k], until - arrivals[k])
             used += 1
         if k < length - 1 and arrivals[k + 1] > until:
             lasts = arrivals[k + 1] - until
             vx, vy = (places[way[k + 1], 0] - x) / lasts, (places[way[k + 1], 1] - y) / lasts
-            rows[used] = (x, y, vx, vy, until, lasts, radius)
+            _put(rows[used], x, y, vx, vy, until, lasts)
             used += 1
+    rows[:, GAP] = radius
     return rows[:used].copy()
+
+
+@njit(**LEAF)
+def _put(row, x, y, vx, vy, begin, lasts):
+    row[X], row[Y], row[VX], row[VY] = x, y, vx, vy
+    row[BEGIN], row[LASTS] = begin, lasts
 
 
 @njit(**KERNEL)

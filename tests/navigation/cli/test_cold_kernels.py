@@ -16,8 +16,11 @@ import pytest
 
 from navigation.cli import cold_kernels
 from navigation.cli.pictures import sources
+from planner.shared import kernel_locator
 from tests.support.waiting import wait_until
 from tests.system.test_ended_while_compiling import processes_with
+from vision.outline.fitting_kernels import fit_borders
+from vision.outline.separated_border_kernels import fit_separated_borders
 
 SQUARE = Path(__file__).parents[2] / "golden" / "square.txt"
 PROGRAM = str(Path(sys.executable).with_name("clearway"))
@@ -58,6 +61,16 @@ def test_in_a_log_it_is_said_once(
     out, err = capsys.readouterr()
     assert out == ""
     assert err == "compiling the kernels, once on this machine: some minutes\n"
+
+
+@pytest.mark.parametrize("missing", [fit_borders, fit_separated_borders])
+def test_a_picture_is_seen_by_the_kernels_for_a_camera_and_for_a_drawing(
+    missing: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kernel_locator, "is_compiled", lambda _: True)
+    assert not cold_kernels._is_cold("eye")
+    monkeypatch.setattr(kernel_locator, "is_compiled", lambda kernel: kernel is not missing)
+    assert cold_kernels._is_cold("eye")
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from planner.scene.primitive_kernels import (
     is_round,
     on_circle,
     predecessor,
+    put_rows,
     successor,
     with_middles,
 )
@@ -37,6 +38,16 @@ def test_an_array_grows_at_its_end() -> None:
     more = grown.py_func(array, 5)
     assert more.shape == (5, 2)
     assert np.array_equal(more[:3], array)
+
+
+def test_rows_of_any_number_of_columns_are_put_behind_others() -> None:
+    for shape in ((), (2,), (2, 3)):
+        into = np.zeros((5, *shape), np.int32)
+        rows = np.arange(1, 2 * into[0].size + 1, dtype=np.int32).reshape(2, *shape)
+        put_rows(into, 2, rows)
+        assert np.array_equal(into[2:4], rows)
+        assert not into[:2].any()
+        assert not into[4:].any()
 
 
 def test_a_point_of_a_circle_is_a_radius_from_its_centre() -> None:

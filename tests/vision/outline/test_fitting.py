@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from planner.scene import Arc, PolygonRecord
 from vision import extract
+from vision.calibration.calibration import Calibration
+from vision.outline import fitting
 
 Y, X = np.mgrid[0:240, 0:240].astype(float)
 MIDDLE = 120.0
@@ -17,6 +19,18 @@ MIDDLE = 120.0
 def picture(inside: np.ndarray) -> np.ndarray:
     """Black where true, without grey."""
     return np.where(inside, 0, 255).astype(np.uint8)
+
+
+def test_a_run_needs_no_kernels_that_separate_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    fitted: list[str] = []
+    for name in ("fit_borders", "fit_separated_borders"):
+        fit = getattr(fitting, name)
+        monkeypatch.setattr(fitting, name, lambda *a, f=fit, n=name: fitted.append(n) or f(*a))
+    disc = picture(np.hypot(X - MIDDLE, Y - MIDDLE) <= 50.0)
+    extract(disc, calibration=Calibration.from_scale(0.01, (240, 240)))
+    assert fitted == ["fit_borders"]
+    extract(disc)
+    assert fitted == ["fit_borders", "fit_separated_borders"]
 
 
 def turned(angle: float) -> tuple[np.ndarray, np.ndarray]:

@@ -24,6 +24,7 @@ from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.limit_kernels import MOST_MISS_PX
+from vision.shared.typed_numbers import YES
 
 GAP_STEPS = 12
 """Most steps to the line farthest from its pixels: indifferent, a bound on the work."""
@@ -216,7 +217,7 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, scratch):
     """
     if not fit_circle(cracks.x, cracks.y, lo, hi, circle):
         return False
-    if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_MISS_PX, HUGE) >= HUGE:
+    if circle_cost(cracks.x, cracks.y, lo, hi, circle, YES, HALF, 1.0, MOST_MISS_PX, HUGE) >= HUGE:
         return False
     separate_circle(cracks.x, cracks.y, lo, hi, circle, scratch.numbers[0:2])
     rows = trial.rows

@@ -25,7 +25,7 @@ from vision.outline.bilevel.separation_kernels import (
 )
 from vision.outline.fitted_borders import FEWEST_LINES, LINE
 from vision.outline.partition_kernels import FAILURES
-from vision.shared.typed_numbers import NO, YES
+from vision.shared.typed_numbers import NO, YES, ZERO
 
 MOST_MERGED = 64
 """Most edges that become one: indifferent, a bound on the work."""
@@ -259,7 +259,7 @@ def _take_over(trial, number, at, finished, count, e, run):
     passed = max(e + run - count, 0)
     place = e - passed
     if passed > 0:
-        _move(finished, passed, 0, place)
+        _move(finished, passed, ZERO, place)
     else:
         _move(finished, e + run, e + 1, fewer - e - 1)
     after = successor(place, fewer)

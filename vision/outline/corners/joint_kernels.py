@@ -40,7 +40,7 @@ nearly parallel lines meet anywhere. It gives up 50 of 679 tips of drawn wedges,
 that lie beyond by 2 px."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=False)
 def fit_and_join(border, outline, edges, limits, scratch):
     """Fit every edge and join neighbours until the joints settle.
 
@@ -99,7 +99,7 @@ def _clear_of_joints(border, outline, edges, e, guard):
     return a, b + 1
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _fit_edges(border, outline, edges, limits, near):
     """Fit the edges whose points have changed; True if there were any.
 
@@ -186,7 +186,7 @@ def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
     return where - n if where >= n else where
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _join(border, outline, edges, limits, found):
     """Join neighbouring edges; breaks move to the border points nearest to the joints.
 
