@@ -65,14 +65,21 @@ class RobotLink(ABC):
         """Stop under control and drop the mission."""
         self._order(lambda host, _now_s: host.clear())
 
-    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
+    def lease(
+        self,
+        permit: bool,
+        pose_age_s: float = math.inf,
+        ttl_s: float = 0.5,
+        odometry: bool = False,
+    ) -> None:
         """Renew the lease, 10 times a second or more: the loop is alive, and the robot may drive.
 
-        ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds.
+        ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
+        ``odometry`` lets it drive without the camera.
         """
         Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
         issued_s = self._clock()  # now, not when the order's turn comes
-        self._order(lambda host, _now_s: host.lease(issued_s, ttl_s, permit, pose_age_s))
+        self._order(lambda host, _now_s: host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Send the pose that the camera saw at ``captured_s`` of the clock."""

@@ -76,10 +76,11 @@ class Simulation:
         return self.robots[name].track()
 
     def pose(self, name: str) -> tuple[float, float, float]:
-        """Present pose of a robot, as the simulated camera sees it."""
-        return self._pose_at(name, self.clock())
+        """Present pose of a robot."""
+        return self.pose_at(name, self.clock())
 
-    def _pose_at(self, name: str, at_s: float) -> tuple[float, float, float]:
+    def pose_at(self, name: str, at_s: float) -> tuple[float, float, float]:
+        """Pose of a robot at a moment of the clock, not long ago."""
         return pose_of(self._configs[name], self.robots.get(name), self._shared.get(name), at_s)
 
     def open_camera(self, name: str | None = None) -> TimedCamera[Any] | KnockedCamera:
@@ -88,7 +89,7 @@ class Simulation:
             self._cameras[name],
             self._arenas,
             self._tracks,
-            [(one.robot, partial(self._pose_at, who)) for who, one in self._configs.items()],
+            [(one.robot, partial(self.pose_at, who)) for who, one in self._configs.items()],
             self.clock,
             self._began_s,
             self.clock.wait,

@@ -242,11 +242,11 @@ def hide(
     """Let the camera see the robot far away while it is hidden; the true pose by its name."""
     simulation = world.simulation
     assert simulation is not None
-    true = simulation.pose
-    simulation.pose = (  # type: ignore[method-assign]
-        lambda name: (-5.0, -5.0, 0.0) if is_hidden() else true(name)
+    true = simulation.pose_at
+    simulation.pose_at = (  # type: ignore[method-assign]
+        lambda name, at_s: (-5.0, -5.0, 0.0) if is_hidden() else true(name, at_s)
     )
-    return true
+    return lambda name: true(name, world.clock())
 
 
 def is_driving(now: RobotSnapshot) -> bool:
