@@ -47,10 +47,14 @@ def test_one_order_that_comes_otherwise_is_found_where_it_is(
     order = VirtualLink.lease
 
     def shorter(
-        link: VirtualLink, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5
+        link: VirtualLink,
+        permit: bool,
+        pose_age_s: float = math.inf,
+        ttl_s: float = 0.5,
+        odometry: bool = False,
     ) -> None:
         late = 1.0 < link.loop.now_s < 1.15
-        order(link, permit, pose_age_s, ttl_s - 0.1 if late else ttl_s)
+        order(link, permit, pose_age_s, ttl_s - 0.1 if late else ttl_s, odometry)
 
     monkeypatch.setattr(VirtualLink, "lease", shorter)
     found = differences(before, *play(ONE))
