@@ -90,8 +90,9 @@ def test_borrowing_kernels_return_numbers() -> None:
         if yes:
             for compiled in _compiled(name).overloads.values():
                 returned[name] = compiled.signature.return_type
-    # the cache keeps none of those that are only called inside others
-    assert len(returned) > 5
+    # the cache keeps none of those that are only called inside others, and a test that ran before
+    # in this process may have loaded more
+    assert len(returned) >= 5
     assert not [name for name, kind in returned.items() if _holds_an_array(kind)]
 
 
