@@ -29,7 +29,7 @@ PLAN_WIDTH: Final = 4.0
 PLAN_DASH: Final = (3.0, 5.0)
 FILM_S: Final = 12.0
 HOLD: Final = 0.1
-"""Share of the film in which all stand at their goals."""
+"""Part of the animation in which all robots stand at their goals, between 0 and 1."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ PICTURES = dict(
 SCRIPTS = sorted(name for name in PICTURES if name.endswith(".py"))
 NOTEBOOKS = sorted(name for name in PICTURES if name.endswith(".ipynb"))
 COLD_S = 900
-"""What one may take on a machine that has no compiled kernels yet."""
+"""Time limit of one example on a machine without compiled kernels, seconds."""
 MOST_BYTES = 500 * 1024
 AGREES = 0.05
 """Another processor rounds otherwise, and a simulated run repeats itself only on equal ones."""

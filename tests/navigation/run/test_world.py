@@ -76,7 +76,7 @@ def test_a_simulated_world_waits_for_the_late_thread_of_a_link(
             passed_s = 0.0
             while time.monotonic() < wall_s + 0.6:  # below what a hanging thread is given
                 passed_s = world.clock() - began_s
-                time.sleep(0.01)
+                time.sleep(0.01)  # the clock is read often, as a run does
             goes_on.set()
             assert passed_s < 0.3
             assert wait_until(lambda: world.clock() > began_s + 0.3)

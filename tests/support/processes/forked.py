@@ -32,7 +32,7 @@ CONFIG: Final = Path(__file__).parents[3] / "configs" / "simulation.yaml"
 ONE_THREAD: Final = {"OPENBLAS_NUM_THREADS": "1", "OPENCV_FOR_THREADS_NUM": "1"}
 """A fork has none of the threads that a library has begun, and would wait for them for ever."""
 LONGEST: Final = 1 << 18
-"""Of a request, in bytes."""
+"""Longest request, bytes."""
 
 _spent_s: list[float] = []
 

@@ -22,7 +22,7 @@ class CameraModel:
 
 @dataclass(slots=True)
 class ScenarioKnobs(Knobs):
-    """What a scenario may switch, of the camera and the control loop too."""
+    """Switches of a scenario, those of its camera and control loop included."""
 
     camera: bool = True
     lease: bool = True
