@@ -189,7 +189,7 @@ def _placed(
         refined = refine_quad(grey, quad, bits.shape[0], straight)
         if isinstance(refined, str):
             return quad, refined, None, None, None
-        return straight.distort_points(refined.corners_px), "", None, None, refined.error_px
+        return refined.corners_px, "", None, None, refined.error_px
     corners, corners_px, remark, error_px = np.empty((4, 2)), np.empty((4, 2)), "", None
     view, guess_px = calibration.plane_view(height_m), np.array(quad, dtype=np.float64, order="C")
     became, roughness_px, fit_px = see_marker(grey, guess_px, bits, view, corners, corners_px)
