@@ -79,11 +79,3 @@ def why_refused(became: int, roughness_px: float) -> str:
     if became == ROUGH:
         return f"its sides are not straight ({roughness_px:.2f} px)"
     return _REFUSALS[became]
-
-
-def warm_up() -> None:
-    """Compile or load the kernels: the first frame must not wait."""
-    square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
-    blank = np.zeros((32, 32), dtype=np.uint8)
-    blank.setflags(write=False)
-    refine_quad(blank, square, 6, Calibration.from_scale(1.0, (32, 32)))
