@@ -21,7 +21,6 @@ from navigation.simulator.happenings import arenas_over_time, tracks_of
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot, wait_until_due
-from navigation.simulator.twins.emulated import EmulatedTwin
 from planner.scene import FloatArray
 
 
@@ -61,9 +60,6 @@ class Simulation:
         self._shared = {
             name: shared_pose(one) for name, one in self._configs.items() if name not in self.robots
         }
-        self._together = [
-            robot for robot in self.robots.values() if not isinstance(robot.twin, EmulatedTwin)
-        ]
         self._began_s = clock()
 
     @property
@@ -101,9 +97,6 @@ class Simulation:
         """Switch the robots on; times in the arena count from here."""
         self._began_s = self.clock()
         for robot in self.robots.values():
-            if robot not in self._together:
-                robot.start()
-        for robot in self._together:
             robot.switched_on()
         self._thread = threading.Thread(target=self._run, name="simulated robots", daemon=True)
         self._thread.start()
@@ -117,8 +110,8 @@ class Simulation:
             robot.stop()
 
     def _run(self) -> None:
-        """Step all but emulated robots in one thread: eight threads would wait for each other."""
-        robots = self._together
+        """Step all robots in one thread: eight threads would wait for each other."""
+        robots = list(self.robots.values())
         try:
             while robots and not self._stop.is_set():
                 wait_until_due(robots, min(robot.turn() for robot in robots))

@@ -69,7 +69,7 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 
 
 def is_all_simulated(config: Config) -> bool:
-    """True if no camera or robot runs by the wall's clock, as drivers and emulators do."""
+    """True if no camera or robot runs by the wall's clock, as drivers do."""
     cameras = list(each_camera(config).values()) or [config]
     return all(map(_is_simulated, robots_of(config).values())) and all(
         one.camera.source == SIMULATED for one in cameras
@@ -77,8 +77,7 @@ def is_all_simulated(config: Config) -> bool:
 
 
 def _is_simulated(robot: Config) -> bool:
-    emulator = None if robot.simulation is None else robot.simulation.robot.emulator
-    return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY and not emulator
+    return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY
 
 
 def wait_for_robot(clock: WorldClock, name: str, robot: SimulatedRobot) -> None:
