@@ -14,7 +14,7 @@ from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
 from navigation.config.values import SIMULATED
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
-from navigation.run.devices.world_clock import WorldClock, wait_for_camera, wait_for_robot
+from navigation.run.devices.world_clock import CAMERA_SLACK_S, ROBOT_SLACK_S, WorldClock
 from navigation.run.simulated_camera import camera_over
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -56,7 +56,7 @@ class Simulation:
             self.stop()
             raise
         for name, robot in self.robots.items():
-            wait_for_robot(clock, name, robot)
+            clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
         self._shared = {
             name: shared_pose(one) for name, one in self._configs.items() if name not in self.robots
         }
@@ -90,7 +90,8 @@ class Simulation:
             self._began_s,
             self.clock.wait,
         )
-        wait_for_camera(self.clock, name, camera)
+        # replaces the last camera of this name
+        self.clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)
         return camera
 
     def start(self) -> None:
