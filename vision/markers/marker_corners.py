@@ -14,37 +14,16 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from vision.calibration.calibration import Calibration, FloatArray
-from vision.camera.camera import Image
 from vision.markers.marker_kernels import (
     APART,
     AT_EDGE,
-    FITTED,
     FOLDED,
     HIDDEN,
     NO_FLOOR,
     PARALLEL,
     ROUGH,
     UNREAD,
-    fit_quad,
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RefinedQuad:
-    """``corners_px`` (4, 2) undistorted; ``roughness_px``: rms distance of edge points to sides.
-
-    ``error_px``: standard error of the worst corner, larger if much of a side is covered.
-    """
-
-    corners_px: FloatArray
-    roughness_px: float
-    error_px: float
-
 
 _REFUSALS = {
     AT_EDGE: "it touches the picture's edge",
@@ -56,22 +35,6 @@ _REFUSALS = {
     UNREAD: "its cells are not where its sides are",
 }
 """Reasons why a quadrilateral is not a whole, visible marker."""
-
-
-def refine_quad(
-    grey: Image, corners_px: FloatArray, cells: int, calibration: Calibration
-) -> RefinedQuad | str:
-    """Fit and intersect the sides of one marker, or give the reason to refuse it.
-
-    ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` along a side with
-    the black border.
-    """
-    seen_px = np.array(corners_px, dtype=np.float64, order="C")
-    ideal = np.empty((4, 2))
-    became, roughness_px, error_px = fit_quad(grey, seen_px, cells, calibration.lens, ideal)
-    if became != FITTED:
-        return why_refused(became, roughness_px)
-    return RefinedQuad(ideal, roughness_px, error_px)
 
 
 def why_refused(became: int, roughness_px: float) -> str:
