@@ -24,10 +24,10 @@ from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.mission import Station
-from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_run import run_virtually
 from navigation.simulator.virtual_loop import VirtualLoop
+from tests.support.runs.troubled_robot import TroubledRobot
 from tests.support.runs.troubled_world import CameraTroubles, TroubledWorld
 
 # fmt: off

@@ -16,6 +16,7 @@ from benchmarks.same_runs.script import Do, Scene, Step
 from navigation.config import Config
 from navigation.config.simulation import SimulatedKnockSection, SimulatedObstacleSection
 from navigation.mission.mission import MissionError, Station
+from tests.support.runs.troubled_robot import press_estop, switch_off_and_on
 
 GOLDEN: Final = 0.618034
 """Multiples of it, modulo 1, are spread evenly: for a place drawn by a seed."""
@@ -65,11 +66,11 @@ def _stop_and_resume(stop: Do, *, to_all: bool = False) -> tuple[Step, ...]:
 
 
 def _press_button(scene: Scene) -> None:
-    scene.stage.bodies[scene.robot].robot.press_estop()
+    press_estop(scene.stage.bodies[scene.robot])
 
 
 def _switch_off_and_on(scene: Scene) -> None:
-    scene.stage.bodies[scene.robot].robot.switch_off_and_on()
+    switch_off_and_on(scene.stage.bodies[scene.robot])
 
 
 def _carry(most_m: float, scene: Scene) -> None:

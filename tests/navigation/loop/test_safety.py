@@ -21,6 +21,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.simulator.line_faults import FaultSpec
 from planner.scene import Scene
+from tests.support.runs.troubled_robot import press_estop
 from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
@@ -117,7 +118,7 @@ def carry_off_the_path(arena: Arena) -> None:
 
 
 def press_the_button(arena: Arena) -> None:
-    arena.world.body.robot.press_estop()
+    press_estop(arena.world.body)
 
 
 def press_pause(arena: Arena) -> None:

@@ -190,7 +190,13 @@ def test_of_several_robots_each_says_so_for_itself(
         rows.append((now.time_s, one.mission.state, one.mission.reason))
         return bool(now.time_s > 12.0)
 
-    run_virtually(open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look, pictures=False)
+    run_virtually(
+        open_hall("a", "b", time_limit_s=20.0),
+        meet=meet,
+        look=look,
+        pictures=False,
+        make_world=TroubledWorld,
+    )
     after = [row for row in rows if row[0] > 3.0 + SAID_WITHIN_S]
     assert after
     assert all(state is not State.DRIVING for _, state, _ in after)
