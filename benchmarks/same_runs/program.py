@@ -101,7 +101,7 @@ def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: 
         pictures=pictures,
         make_world=lambda *a, **k: _NotedWorld(trace, *a, **k),
     )
-    trace.keep(report.to_json(), [body.robot.track() for body in stages[0].bodies])
+    trace.keep(report.to_json(), [body.track() for body in stages[0].bodies])
     return End(report.state, report.duration_s)
 
 

@@ -83,7 +83,7 @@ class VirtualWorld:
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
-        self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
+        self.truths = {name: Truth(self._arenas, body) for name, body in self.bodies.items()}
         self._time = next(iter(self.bodies.values())).loop
         self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
@@ -117,7 +117,7 @@ class VirtualWorld:
             if self._due:
                 self._do_what_is_due()
         for body in bodies:
-            body.robot.keep_track()
+            body.keep_track()
 
     def _do_what_is_due(self) -> None:
         now_s = self.clock()

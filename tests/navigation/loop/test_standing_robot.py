@@ -91,7 +91,7 @@ def test_the_mission_goes_on_once_the_cause_is_gone(
     set_trouble(world, trouble, False)
     ended = cycle_until(daemon, lambda now: now.mission.is_over, 60.0)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert math.dist(world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(world.body.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_is_tried_again_more_and_more_seldom() -> None:

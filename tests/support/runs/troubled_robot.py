@@ -89,7 +89,7 @@ class TroubledRobot(VirtualBody):
 
     def seen(self, _now_s: float) -> Place:
         """Place at which pictures of the present moment show it."""
-        return self.troubles.seen_at(self.robot.pose())
+        return self.troubles.seen_at(self.pose())
 
     def double(self, _now_s: float) -> Place:
         """Place of the second marker with its id; `NOWHERE` without one."""
