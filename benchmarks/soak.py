@@ -121,8 +121,7 @@ class Soak:
         """Another process takes over what the journal says of the mission."""
         loop = self.witness.loop
         self.keep_counters(loop.host)
-        boot_id = loop.robot.identity.boot_id
-        loop.host = HostConnection(random.Random(self.rng.random()), loop.baud, boot_id)
+        loop.host = HostConnection(random.Random(self.rng.random()), loop.baud)
         loop.host.open(loop.now_s)
         loop.host.upload(self.witness.mission, loop.now_s, start=False)
         self.witness.connect()

@@ -38,9 +38,9 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.arena import load_arena
 from planner.scene import CircleRecord, SceneObject
+from tests.support.runs.troubled_world import TroubledWorld
 
 SIZE_M = (2.4, 1.8)
 RADIUS_M = 0.07
@@ -176,7 +176,7 @@ class Troubles:
             if rng.random() < DIES:
                 self.dies_s[entry.name] = float(rng.uniform(3.0, 25.0))
 
-    def meet(self, world: VirtualWorld, since_s: float) -> None:
+    def meet(self, world: TroubledWorld, since_s: float) -> None:
         """What is wrong at this moment."""
         for name, body in world.bodies.items():
             body.off = since_s >= self.dies_s.get(name, math.inf)
@@ -245,7 +245,13 @@ def drive(seed: int, least: int, most: int) -> Outcome:
     troubles = Troubles(config, seed)
     began_s = time.perf_counter()
     person = Person(set(troubles.dies_s))
-    report = run_virtually(config, meet=troubles.meet, look=person.look, linger_s=LINGER_S)
+    report = run_virtually(
+        config,
+        meet=troubles.meet,
+        look=person.look,
+        linger_s=LINGER_S,
+        make_world=TroubledWorld,
+    )
     dead = set(troubles.dies_s)
     living = [name for name in report.robots if name not in dead]
     arrived = sum(report.robots[name].state == "done" for name in living)

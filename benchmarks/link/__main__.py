@@ -24,9 +24,9 @@ from firmware_protocol.host.upload import BATCH
 from firmware_protocol.wire.framing import FrameParser, Sender, WireFrame, encode_frame, wire_bytes
 from firmware_protocol.wire.messages import MessageType, RobotState, Status, Waypoint
 from firmware_protocol.wire.mission import Mission
-from navigation.simulator.emulated_processor import EmulatedProcessor
 from tests.support.robots.avr_bench import WIRE_BYTE_S, AvrBench
 from tests.support.robots.avr_robot import AvrRobot, missing_tools
+from tests.support.robots.emulated_processor import EmulatedProcessor
 
 RESULT = Path(__file__).parents[1] / "results" / "link.md"
 LINE_BYTES_S = 11_520.0

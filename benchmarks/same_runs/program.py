@@ -24,10 +24,10 @@ from navigation.config.several.each_robot import robots_of
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot, RunState
 from navigation.mission.mission import Station
-from navigation.run.troubled_robot import TroubledRobot
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_run import run_virtually
 from navigation.simulator.virtual_loop import VirtualLoop
+from tests.support.runs.troubled_robot import TroubledRobot
 from tests.support.runs.troubled_world import CameraTroubles, TroubledWorld
 
 # fmt: off
@@ -101,7 +101,7 @@ def run(config: Config, trace: Trace, look: Look, *, linger_s: float, pictures: 
         pictures=pictures,
         make_world=lambda *a, **k: _NotedWorld(trace, *a, **k),
     )
-    trace.keep(report.to_json(), [body.robot.track() for body in stages[0].bodies])
+    trace.keep(report.to_json(), [body.track() for body in stages[0].bodies])
     return End(report.state, report.duration_s)
 
 

@@ -16,6 +16,7 @@ from benchmarks.same_runs.script import Do, Scene, Step
 from navigation.config import Config
 from navigation.config.simulation import SimulatedKnockSection, SimulatedObstacleSection
 from navigation.mission.mission import MissionError, Station
+from tests.support.runs.troubled_robot import press_estop, switch_off_and_on
 
 GOLDEN: Final = 0.618034
 """Multiples of it, modulo 1, are spread evenly: for a place drawn by a seed."""
@@ -65,17 +66,17 @@ def _stop_and_resume(stop: Do, *, to_all: bool = False) -> tuple[Step, ...]:
 
 
 def _press_button(scene: Scene) -> None:
-    scene.stage.bodies[scene.robot].robot.press_estop()
+    press_estop(scene.stage.bodies[scene.robot])
 
 
 def _switch_off_and_on(scene: Scene) -> None:
-    scene.stage.bodies[scene.robot].robot.switch_off_and_on()
+    switch_off_and_on(scene.stage.bodies[scene.robot])
 
 
 def _carry(most_m: float, scene: Scene) -> None:
     """Somebody lifts the robot and puts it down as far away as chance will have it."""
     body = scene.stage.bodies[scene.robot]
-    at, turn = body.robot.pose(), scene.rng.uniform(-math.pi, math.pi)
+    at, turn = body.pose(), scene.rng.uniform(-math.pi, math.pi)
     away_m = scene.rng.uniform(0.0, most_m)
     place = (at.x_m + away_m * math.cos(turn), at.y_m + away_m * math.sin(turn), turn)
     body.troubles.carried_to = place
@@ -83,14 +84,14 @@ def _carry(most_m: float, scene: Scene) -> None:
 
 def _lay_second_marker(scene: Scene) -> None:
     body = scene.stage.bodies[scene.robot]
-    at = body.robot.pose()
+    at = body.pose()
     body.troubles.double_at = (at.x_m + 0.3, at.y_m + 0.1, at.heading_rad)
 
 
 def _swap_markers(scene: Scene) -> None:
     bodies = scene.stage.bodies
     one, other = bodies[scene.robot], bodies[(scene.robot + 1) % len(bodies)]
-    one.troubles.marker_at, other.troubles.marker_at = other.robot.pose(), one.robot.pose()
+    one.troubles.marker_at, other.troubles.marker_at = other.pose(), one.pose()
 
 
 def _swap_back(scene: Scene) -> None:
@@ -100,7 +101,7 @@ def _swap_back(scene: Scene) -> None:
 
 def _new_goal(scene: Scene) -> None:
     """A person sends the robot to where another one is, or it is itself."""
-    at = scene.stage.bodies[scene.robot - 1].robot.pose()
+    at = scene.stage.bodies[scene.robot - 1].pose()
     with suppress(MissionError):
         scene.stage.give(scene.robot, (Station(at.x_m, at.y_m),))
 

@@ -64,13 +64,10 @@ REFUSED_S: Final = 8.0
 class HostConnection:
     """One robot on one line.
 
-    ``rng`` gives session numbers; ``baud`` paces the output, if not None; ``expected_boot_id`` is a
-    journalled mission's boot.
+    ``rng`` gives session numbers; ``baud`` paces the output, if not None.
     """
 
-    def __init__(
-        self, rng: random.Random, baud: int | None = 115_200, expected_boot_id: int | None = None
-    ) -> None:
+    def __init__(self, rng: random.Random, baud: int | None = 115_200) -> None:
         self.state = LinkState.CLOSED
         self.parser = FrameParser(Sender.ROBOT)
         self.counters = HostCounters()
@@ -78,7 +75,7 @@ class HostConnection:
         self.robot: HelloAck | None = None
         self.status: Status | None = None
         self.status_s = -math.inf
-        self._boot_id = expected_boot_id
+        self._boot_id: int | None = None
         self._events: deque[Event] = deque()
         self._mission = WantedMission(self._events.append, self._change)
         self._sessions = HostSessions(rng)

@@ -156,11 +156,6 @@ class SimulatedRobotSection(Section):
         description="file in which a robot of another process tells the simulated camera where "
         "it is, as `clearway robot --poses` writes it (from the current folder)",
     )
-    emulator: str = Field(
-        default="",
-        description="program, with arguments, that emulates the robot's processor and runs its "
-        "real firmware (tests/hil); empty: the same robot in Python",
-    )
 
 
 class RobotStartSection(Pose):

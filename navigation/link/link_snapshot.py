@@ -55,7 +55,6 @@ class LinkSnapshot:
     stands: bool | None = None
     no_permit: str | None = None
     standing_reason: str | None = None
-    boot_id: int | None = None
     rtt_s: float | None = None
     clock_offset_s: float | None = None
     clock_error_s: float | None = None
@@ -107,7 +106,6 @@ def snapshot_of(
         state=host.state,
         down_reason=reason,
         heard_age_s=now_s - host.heard_s,
-        boot_id=None if host.robot is None else host.robot.boot_id,
         rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
         clock_offset_s=host.clock.offset_s(now_s) if known else None,
         clock_error_s=host.clock.error_s(now_s) if known else None,

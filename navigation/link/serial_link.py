@@ -43,10 +43,8 @@ EVENTS_KEPT: Final = 500
 class SerialLink(RobotLink):
     """One robot on one serial port; a context manager that opens and closes.
 
-    ``rng`` gives session numbers;
-    ``expected_boot_id`` is the boot of a journalled mission. ``wait_for_port``: wait for a port
-    that is not ready at opening, like one that breaks later. Needs Linux: ``NeedsLinuxError`` on
-    other systems.
+    ``wait_for_port``: wait for a port that is not ready at opening, like one that breaks later.
+    Needs Linux: ``NeedsLinuxError`` on other systems.
     """
 
     def __init__(
@@ -55,8 +53,6 @@ class SerialLink(RobotLink):
         baud: int = 115_200,
         *,
         clock: Callable[[], float] = time.monotonic,
-        rng: random.Random | None = None,
-        expected_boot_id: int | None = None,
         wait_for_port: bool = False,
     ) -> None:
         require_linux("a serial link")
@@ -64,7 +60,7 @@ class SerialLink(RobotLink):
         self.path = port
         self.baud = baud
         self._wait_for_port = wait_for_port
-        self._host = HostConnection(rng or random.SystemRandom(), baud, expected_boot_id)
+        self._host = HostConnection(random.SystemRandom(), baud)
         self._serial: serial.Serial | None = None
         self._unsent = b""
         self._reopen_s = 0.0

@@ -21,13 +21,13 @@ from navigation.config.errors import key_name
 from navigation.config.several.fleet_checks import names_markers_and_ports_differ
 from navigation.fleet.request import Request
 from navigation.recording import json_bodies as bodies
-from navigation.recording.events import ZonesChanged
+from navigation.recording.events import SceneSeen, ZonesChanged
 from navigation.recording.files import RecordingError
 from navigation.recording.live_bodies import MOST_M, MOST_S, bounded
 from navigation.recording.messages import Messages
 from navigation.recording.zone_bodies import zones_of
 from planner.formats.scene_text import read_scene_text
-from planner.scene import Scene, SceneError
+from planner.scene import SceneError
 from planner.zones.zone import Zone
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import parse_calibration
@@ -56,16 +56,6 @@ class SeenFrame:
 
 
 @dataclass(frozen=True, slots=True)
-class SeenScene:
-    """A scene and its time; ``carried`` from an earlier file."""
-
-    captured_s: float
-    revision: int
-    carried: bool
-    scene: Scene
-
-
-@dataclass(frozen=True, slots=True)
 class Planned:
     """A request and its answer, as in `json_bodies.plan_message`."""
 
@@ -89,7 +79,7 @@ class Recording:
     part: int
     frames: dict[int, SeenFrame] = field(default_factory=dict)
     """By the picture's time in the file, nanoseconds."""
-    scenes: list[SeenScene] = field(default_factory=list)
+    scenes: list[SceneSeen] = field(default_factory=list)
     plans: list[Planned] = field(default_factory=list)
     zones: list[ZonesChanged] = field(default_factory=list)
     """Changes of zones in order, from those that held at the beginning."""
@@ -106,7 +96,7 @@ class Recording:
         at = bisect_right(self.zones, revision, key=lambda one: one.revision)
         return self.zones[at - 1].zones if at else ()
 
-    def scene_in(self, revision: int) -> SeenScene | None:
+    def scene_in(self, revision: int) -> SceneSeen | None:
         """Scene of a revision, which a change of zones raises too; None if not recorded."""
         at = bisect_right(self.scenes, revision, key=lambda one: one.revision)
         return self.scenes[at - 1] if at else None
@@ -187,12 +177,12 @@ def _frame(body: dict[str, Any]) -> SeenFrame:
     return SeenFrame(bounded(body["captured_s"], MOST_S), poses)
 
 
-def _scene(body: dict[str, Any]) -> SeenScene:
-    return SeenScene(
+def _scene(body: dict[str, Any]) -> SceneSeen:
+    return SceneSeen(
         bounded(body["captured_s"], MOST_S),
         int(body["revision"]),
-        bool(body["carried"]),
         read_scene_text(body["scene"], "recorded scene"),
+        bool(body["carried"]),
     )
 
 

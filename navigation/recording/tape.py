@@ -19,6 +19,7 @@ from mcap.records import Message
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording import json_bodies as bodies
+from navigation.recording.events import SceneSeen
 from navigation.recording.files import RecordingError
 from navigation.recording.live_bodies import (
     MOST_M,
@@ -36,7 +37,6 @@ from navigation.recording.reader import (
     Planned,
     Recording,
     SeenFrame,
-    SeenScene,
     bytes_field,
     decoded_picture,
     read_recording,
@@ -121,10 +121,10 @@ class Tape:
             -most:
         ]
 
-    def scene_at(self, time_s: float) -> SeenScene | None:
+    def scene_at(self, time_s: float) -> SceneSeen | None:
         """Newest scene."""
         scenes = self.recording.scenes
-        at = bisect_right(scenes, time_s, key=lambda scene: scene.captured_s)
+        at = bisect_right(scenes, time_s, key=lambda scene: scene.time_s)
         if at == 0 and scenes and scenes[0].carried:
             return scenes[0]
         return scenes[at - 1] if at else None
@@ -179,7 +179,7 @@ def read_tape(path: Path) -> Tape:
     for one_kind in moments:
         one_kind.sort(key=lambda one: one[0])
     tape.pictures.sort(key=lambda one: one.captured_s)
-    recording.scenes.sort(key=lambda scene: scene.captured_s)
+    recording.scenes.sort(key=lambda scene: scene.time_s)
     try:
         for planned in sorted(recording.plans, key=lambda plan: float(plan.answer["time_s"])):
             for name, plan in _plans_in(planned):

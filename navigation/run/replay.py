@@ -39,8 +39,9 @@ from navigation.recording.compare import (
     pose_problem,
     scene_distance_m,
 )
+from navigation.recording.events import SceneSeen
 from navigation.recording.files import RecordingError
-from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
+from navigation.recording.reader import Planned, Recording, SeenFrame
 from planner.path import NoPath
 from planner.scene import Scene
 from planner.zones.zone import Zone
@@ -80,12 +81,6 @@ class ReplayResult:
     def is_equal(self) -> bool:
         """True if nothing differs."""
         return not self.differences
-
-
-@dataclass(frozen=True, slots=True)
-class _FoundScene:
-    captured_s: float
-    scene: Scene
 
 
 class _Plans(Protocol):
@@ -154,7 +149,7 @@ class Replay:
 
         self._planner, self._planner_of_recorded = planner(), planner()
         """The second sees only the recorded scenes: each of the two keeps its own last path."""
-        self._found: list[_FoundScene] = []
+        self._found: list[tuple[float, Scene]] = []
         self._last_s = -math.inf
         self._first_s: float | None = None
         self._unlike_since_s: dict[int, float] = {}
@@ -183,7 +178,7 @@ class Replay:
         if self._first_s is None:
             self._first_s = frame.captured_s
         if glimpse.scene is not None:
-            self._found.append(_FoundScene(frame.captured_s, glimpse.scene))
+            self._found.append((frame.captured_s, glimpse.scene))
         poses = {i: (pose.x, pose.y, pose.heading_rad) for i, pose in glimpse.poses.items()}
         for robot_id in sorted({*poses, *seen.poses}):
             recorded, here = seen.poses.get(robot_id), poses.get(robot_id)
@@ -212,9 +207,9 @@ class Replay:
         """Return the replay's scene for each revision."""
         by_revision: dict[int, Scene] = {}
         scenes = self.recording.scenes
-        ends = [*(scene.captured_s for scene in scenes), math.inf][1:]
+        ends = [*(scene.time_s for scene in scenes), math.inf][1:]
         for recorded, end_s in zip(scenes, ends, strict=True):
-            begin_s = recorded.captured_s
+            begin_s = recorded.time_s
             if recorded.carried and self._first_s is not None:
                 begin_s = max(begin_s, self._first_s)
             # a short file may end before its carried-over first scene is seen again
@@ -237,7 +232,7 @@ class Replay:
                 self._differ("scene", begin_s, f"scene {recorded.revision} {problem}")
         return by_revision
 
-    def _scene_problem(self, recorded: SeenScene, best: Scene | None, off_m: float) -> str | None:
+    def _scene_problem(self, recorded: SceneSeen, best: Scene | None, off_m: float) -> str | None:
         if best is None:
             return "is not seen"
         here, there = len(best.objects), len(recorded.scene.objects)
@@ -250,17 +245,17 @@ class Replay:
         return f"has a border {off_m * 1e3:.1f} mm off: at most {limit_m * 1e3:g} mm"
 
     def _nearest(
-        self, recorded: SeenScene, begin_s: float, end_s: float
+        self, recorded: SceneSeen, begin_s: float, end_s: float
     ) -> tuple[Scene | None, float]:
         """Nearest of the replay's scenes that were newest in an interval."""
-        before = [f for f in self._found if f.captured_s <= begin_s][-1:]
-        between = [f for f in self._found if begin_s < f.captured_s <= end_s]
+        before = [scene for at_s, scene in self._found if at_s <= begin_s][-1:]
+        between = [scene for at_s, scene in self._found if begin_s < at_s <= end_s]
         best: Scene | None = None
         least_m = math.inf
         for found in (*before, *between):
-            off_m = scene_distance_m(recorded.scene, found.scene)
+            off_m = scene_distance_m(recorded.scene, found)
             if best is None or off_m < least_m:
-                best, least_m = found.scene, off_m
+                best, least_m = found, off_m
         return best, least_m
 
     def _compare_plans(self, by_revision: dict[int, Scene]) -> None:

@@ -14,14 +14,13 @@ from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
 from navigation.config.values import SIMULATED
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
-from navigation.run.devices.world_clock import WorldClock, wait_for_camera, wait_for_robot
+from navigation.run.devices.world_clock import CAMERA_SLACK_S, ROBOT_SLACK_S, WorldClock
 from navigation.run.simulated_camera import camera_over
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
 from navigation.simulator.picture.knocked_camera import KnockedCamera
 from navigation.simulator.picture.timed_camera import TimedCamera
 from navigation.simulator.robot import SimulatedRobot, wait_until_due
-from navigation.simulator.twins.emulated import EmulatedTwin
 from planner.scene import FloatArray
 
 
@@ -57,13 +56,10 @@ class Simulation:
             self.stop()
             raise
         for name, robot in self.robots.items():
-            wait_for_robot(clock, name, robot)
+            clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
         self._shared = {
             name: shared_pose(one) for name, one in self._configs.items() if name not in self.robots
         }
-        self._together = [
-            robot for robot in self.robots.values() if not isinstance(robot.twin, EmulatedTwin)
-        ]
         self._began_s = clock()
 
     @property
@@ -94,16 +90,14 @@ class Simulation:
             self._began_s,
             self.clock.wait,
         )
-        wait_for_camera(self.clock, name, camera)
+        # replaces the last camera of this name
+        self.clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)
         return camera
 
     def start(self) -> None:
         """Switch the robots on; times in the arena count from here."""
         self._began_s = self.clock()
         for robot in self.robots.values():
-            if robot not in self._together:
-                robot.start()
-        for robot in self._together:
             robot.switched_on()
         self._thread = threading.Thread(target=self._run, name="simulated robots", daemon=True)
         self._thread.start()
@@ -117,8 +111,8 @@ class Simulation:
             robot.stop()
 
     def _run(self) -> None:
-        """Step all but emulated robots in one thread: eight threads would wait for each other."""
-        robots = self._together
+        """Step all robots in one thread: eight threads would wait for each other."""
+        robots = list(self.robots.values())
         try:
             while robots and not self._stop.is_set():
                 wait_until_due(robots, min(robot.turn() for robot in robots))

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from firmware_protocol.host.events import Event
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.link.robot_link import Order, RobotLink
-from navigation.run.troubled_robot import RobotTroubles
 from navigation.simulator.virtual_loop import VirtualLoop
 
 
 class VirtualLink(RobotLink):
     """`SerialLink` without thread or port, on the virtual loop's line."""
 
-    def __init__(self, loop: VirtualLoop, troubles: RobotTroubles) -> None:
+    def __init__(self, loop: VirtualLoop) -> None:
         super().__init__(lambda: loop.now_s)
-        self.loop, self.troubles = loop, troubles
+        self.loop = loop
 
     def _order(self, order: Order) -> None:
         self.turns += 1
@@ -56,9 +53,6 @@ class VirtualLink(RobotLink):
 
     def snapshot(self) -> LinkSnapshot:
         """Present state."""
-        snapshot = snapshot_of(
+        return snapshot_of(
             self.loop.host, self.loop.now_s, port_fault="the port is not open", estop_waits=False
         )
-        if self.troubles.port_broken:
-            return replace(snapshot, down_reason="the port virtual broke")
-        return snapshot

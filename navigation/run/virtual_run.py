@@ -39,12 +39,12 @@ def run_virtually(
 ) -> RunReport:
     """Drive the configured missions until all are over or the time limit; return the report.
 
-    ``meet`` is called every millisecond with the world and the time since the start, and may change
-    its troubles. ``look`` is called after each cycle and ends the run by returning True. The run
-    ends ``linger_s`` after all missions. ``bodies`` are the simulated robots' true configurations.
-    All randomness comes from ``simulation.seed``. Without ``pictures`` none is drawn or analysed.
-    Raises ValueError without a section ``simulation``, for a robot behind a driver, and without
-    pictures for anything that only pictures show.
+    ``meet`` is called every millisecond with the world and the time since the start. ``look`` is
+    called after each cycle and ends the run by returning True. The run ends ``linger_s`` after all
+    missions. ``bodies`` are the simulated robots' true configurations. All randomness comes from
+    ``simulation.seed``. Without ``pictures`` none is drawn or analysed. Raises ValueError without a
+    section ``simulation``, for a robot behind a driver, and without pictures for anything that only
+    pictures show.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")

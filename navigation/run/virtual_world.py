@@ -20,7 +20,7 @@ from navigation.loop.planning import Answering, SceneCheck
 from navigation.loop.seeing.vision_stage import KnowsLatency, VisionStage
 from navigation.run.calibrations import floor_plan_of, shown_calibration
 from navigation.run.simulated_camera import camera_over
-from navigation.run.troubled_robot import TroubledRobot
+from navigation.run.virtual_body import VirtualBody
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.without_pictures.looking import looking_of
 from navigation.shared.supervisor import in_words
@@ -74,7 +74,7 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         alone = bodies or robots_of(config)
-        self.bodies = {name: TroubledRobot.of(one) for name, one in alone.items()}
+        self.bodies = {name: self.make_body(one) for name, one in alone.items()}
         """By name, which is empty for a lone robot."""
         self.ports = dict.fromkeys(self.bodies, "virtual")
         self._configs_of_cameras = each_camera(config)
@@ -83,7 +83,7 @@ class VirtualWorld:
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
         self.calibration = shown_calibration(config, self.floor_plan)
-        self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
+        self.truths = {name: Truth(self._arenas, body) for name, body in self.bodies.items()}
         self._time = next(iter(self.bodies.values())).loop
         self._began_s = self._searched_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
@@ -91,10 +91,14 @@ class VirtualWorld:
         """Called every millisecond with the time since the start."""
 
     @property
-    def body(self) -> TroubledRobot:
+    def body(self) -> VirtualBody:
         """The only robot of a run of one."""
         (body,) = self.bodies.values()
         return body
+
+    def make_body(self, config: Config) -> VirtualBody:
+        """Make one robot."""
+        return VirtualBody.of(config)
 
     def clock(self) -> float:
         """Virtual seconds."""
@@ -113,7 +117,7 @@ class VirtualWorld:
             if self._due:
                 self._do_what_is_due()
         for body in bodies:
-            body.robot.keep_track()
+            body.keep_track()
 
     def _do_what_is_due(self) -> None:
         now_s = self.clock()
@@ -149,8 +153,7 @@ class VirtualWorld:
 
     def make_link(self, name: str) -> VirtualLink:
         """Make the link to one robot."""
-        body = self.bodies[name]
-        return VirtualLink(body.loop, body.troubles)
+        return VirtualLink(self.bodies[name].loop)
 
     def search_clock(self) -> float:
         """Count the looks at it, so that equal work has an equal limit on every computer."""

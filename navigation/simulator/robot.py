@@ -31,7 +31,6 @@ from navigation.link.serial_port import open_port
 from navigation.shared.system import require_linux
 from navigation.shared.track import Track
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
-from navigation.simulator.emulated_processor import EmulatorError
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.own_time import OwnTime
 from navigation.simulator.twins.clearway import ClearwayTwin
@@ -48,8 +47,6 @@ RING_BYTES: Final = 256
 """Receive buffer of a small processor."""
 FASTEST_BAUD: Final = 4_000_000
 LONGEST_WAIT_S: Final = 0.1
-END_S: Final = 2.0
-"""A thread that does not end within this time waits for a twin that hangs."""
 
 
 class SimulatedRobot:
@@ -58,8 +55,7 @@ class SimulatedRobot:
     ``pose`` is (x_m, y_m, heading_rad) at the start; ``twin`` is our own robot by default; ``baud``
     paces the line, by default as the twin does (infinity: at once); ``rng`` drives motion and
     faults. PortError if ``port`` cannot be opened, FaultSpecError for faults that this line cannot
-    have, NeedsLinuxError on other systems. When the twin's platform ends, the robot stops and its
-    line is silent.
+    have, NeedsLinuxError on other systems.
     """
 
     def __init__(
@@ -92,7 +88,7 @@ class SimulatedRobot:
         self._steps = 0
         self._time = OwnTime(STEP_S)
         self._start_s = 0.0
-        self._is_reset = self._is_unplugged = self._has_ended = False
+        self._is_reset = self._is_unplugged = False
         self._waiting = self._unsent = b""
         self._unread_since_s = math.inf
         self._stop = threading.Event()
@@ -101,11 +97,7 @@ class SimulatedRobot:
         self._poses: deque[tuple[float, TruePose]] = deque(maxlen=POSES_KEPT)
         self._serial: serial.Serial | None = None
         self._fd = self._slave = -1
-        try:
-            self.port = self._open(port, baud)
-        except BaseException:
-            self.twin.close()
-            raise
+        self.port = self._open(port, baud)
 
     def _open(self, port: str | None, baud: float) -> str:
         if port is None:
@@ -129,9 +121,6 @@ class SimulatedRobot:
     def stop(self) -> None:
         """Switch it off and close its end of the line."""
         self._stop.set()
-        if self._thread is not None:
-            self._thread.join(END_S)
-        self.twin.close()  # ends a step that waits for it
         if self._thread is not None:
             self._thread.join()
             self._thread = None
@@ -198,7 +187,7 @@ class SimulatedRobot:
 
     def _run(self) -> None:
         try:
-            while not self._stop.is_set() and not self._has_ended:
+            while not self._stop.is_set():
                 wait_until_due([self], self.turn())
         finally:
             self.switched_off()
@@ -220,22 +209,15 @@ class SimulatedRobot:
 
     def turn(self) -> float:
         """Do all due steps and exchange bytes; return the seconds until the next step."""
-        if self._has_ended:
-            return math.inf
         now_s = self._clock()
         self._time.limit(now_s)
-        try:
-            while (end_s := self._time.next_step_s(now_s)) is not None:
-                with self.held:
-                    self._exchange(end_s)
-                    self._step(end_s)
-                self._time.done(end_s)
+        while (end_s := self._time.next_step_s(now_s)) is not None:
             with self.held:
-                self._exchange(now_s)
-        except EmulatorError:
-            self._has_ended = True
-            self.switched_off()
-            return math.inf
+                self._exchange(end_s)
+                self._step(end_s)
+            self._time.done(end_s)
+        with self.held:
+            self._exchange(now_s)
         return self._time.due_in_s(self._clock())
 
     def _is_frozen(self, now_s: float) -> bool:

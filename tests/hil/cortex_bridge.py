@@ -3,7 +3,7 @@
     python tests/hil/cortex_bridge.py FIRMWARE.elf
 
 Runs qemu-system-arm with the board MPS2 (AN385) and speaks on stdin and stdout as
-``navigation.simulator.emulated_processor`` says. The emulated processor runs in real time,
+``tests.support.robots.emulated_processor`` says. The emulated processor runs in real time,
 whatever time is asked for: the asking program has to keep to it. Its first serial port is the
 robot's line, with
 115200 baud in both directions; behind the second one this program is the motor board, whose

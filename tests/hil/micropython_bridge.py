@@ -2,7 +2,7 @@
 
     micropython micropython_bridge.py FOLDER_OF_CLEARWAY
 
-Speaks on stdin and stdout as ``navigation.simulator.emulated_processor`` says; its wheels are PWM
+Speaks on stdin and stdout as ``tests.support.robots.emulated_processor`` says; its wheels are PWM
 numbers and encoder steps of 250 um. Every round of the program runs with the heap locked, so that
 one that allocates ends it. It takes no longer than the time asked for: how long a round would take
 on a board is measured elsewhere.

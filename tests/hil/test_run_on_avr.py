@@ -15,17 +15,13 @@ import pytest
 import serial
 
 from firmware_protocol.host.connection import HostConnection
-from navigation.config import load_config
-from navigation.run.simulation import Simulation
-from navigation.run.world import World
-from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
-from navigation.simulator.twins.emulated import EmulatedTwin
 from navigation.simulator.twins.twin import STEP_S
 from tests.support.robots.avr_robot import AvrRobot, missing_tools
-from tests.support.robots.emulated_run import assert_run_reaches_its_goal, short_configuration
-from tests.support.waiting import wait_until
+from tests.support.robots.emulated_processor import EmulatedProcessor, EmulatorError
+from tests.support.robots.emulated_run import assert_run_reaches_its_goal
+from tests.support.robots.emulated_twin import EmulatedTwin
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
 
@@ -48,21 +44,6 @@ def test_clearway_run_drives_the_emulated_microcontroller_to_its_goal(tmp_path: 
         assert_run_reaches_its_goal(tmp_path, avr.command)
 
 
-def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> None:
-    with AvrRobot() as avr:
-        world = World(load_config(short_configuration(tmp_path, avr.command)))
-        assert isinstance(world.simulation, Simulation)
-        robot = world.simulation.robots[""]
-        twin = robot.twin
-        assert isinstance(twin, EmulatedTwin)
-        world.start()
-        try:
-            assert wait_until(lambda: twin.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
-            assert not twin.motors.powered, "nobody has told it to drive"
-        finally:
-            world.stop()
-
-
 @pytest.mark.parametrize(("faults", "boots"), [("", 1), ("reset=0.5", 2), ("freeze=0.6@0.5", 1)])
 def test_the_emulated_robot_obeys_reset_and_freeze(faults: str, boots: int) -> None:
     """Told by the boot ids that a host sees, and by how long it sees nothing."""
@@ -74,6 +55,7 @@ def test_the_emulated_robot_obeys_reset_and_freeze(faults: str, boots: int) -> N
         with serial.Serial(robot.port, timeout=0) as port:
             seen, silent_s = watch(robot, host, port, clock)
         robot.stop()
+        twin.close()
     assert len(seen) == boots
     assert (silent_s > 0.55) == faults.startswith("freeze")
 

@@ -17,4 +17,4 @@ pytestmark = [
 
 def test_clearway_run_drives_the_emulated_cortex_m_to_its_goal(tmp_path: Path) -> None:
     with CortexBuild() as build:
-        assert_run_reaches_its_goal(tmp_path, build.command)
+        assert_run_reaches_its_goal(tmp_path, build.command, has_own_time=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import firmware_protocol.robot as package
-from navigation.simulator.emulated_processor import EmulatedProcessor
 from tests.support.robots.avr_bench import AvrBench
+from tests.support.robots.emulated_processor import EmulatedProcessor
 from tests.support.robots.emulated_run import assert_run_reaches_its_goal
 from tests.support.robots.micropython_interpreter import interpreter
 

@@ -57,13 +57,6 @@ class Contours:
         return self.x[part], self.y[part], self.direction[part]
 
     @property
-    def middles(self) -> NDArray[np.float64]:
-        """The middle (c, 2) of every crack, between its obstacle pixel and the free one."""
-        x = self.x + np.array([0.0, 0.5, 0.0, -0.5])[self.direction]
-        y = self.y + np.array([-0.5, 0.0, 0.5, 0.0])[self.direction]
-        return np.stack([x, y], axis=1)
-
-    @property
     def pixels(self) -> int:
         """Number of border pixels, counted at each visit: n of the paper."""
         moved = (np.diff(self.x) != 0) | (np.diff(self.y) != 0)

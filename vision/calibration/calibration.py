@@ -38,6 +38,9 @@ FloatArray = NDArray[np.float64]
 
 LEAST_SHOWN = 0.5
 """Least part of a picture that a folding lens must show once; less is a wrong file."""
+_AS_IT_IS = np.eye(3)
+_AS_IT_IS.setflags(write=False)
+"""Homography to the undistorted pixels themselves."""
 _PLANES_KEPT = 64
 """Heights whose homographies are kept: more than robots have markers."""
 _MOST_TILT_RAD = math.radians(45.0)
@@ -213,18 +216,9 @@ class Calibration:
         if self.lens.model == STRAIGHT:
             return raw.copy()
         # imported late: a plan to scale needs no compiled code
-        from vision.calibration.calibration_kernels import undistort_all
+        from vision.calibration.calibration_kernels import plane_from_image
 
-        return np.asarray(undistort_all(np.array(raw, order="C"), self.lens))
-
-    def distort_points(self, points_px: ArrayLike) -> FloatArray:
-        """Undistorted pixels (n, 2) to raw ones; NaN beyond the lens's reach."""
-        ideal = _points(points_px)
-        if self.lens.model == STRAIGHT:
-            return ideal.copy()
-        from vision.calibration.calibration_kernels import distort_all
-
-        return np.asarray(distort_all(np.array(ideal, order="C"), self.lens))
+        return np.asarray(plane_from_image(np.array(raw, order="C"), _AS_IT_IS, 1.0, self.lens))
 
     def plane_view(self, height_m: float = 0.0) -> PlaneView:
         """The plane at ``height_m`` and its picture, for kernels."""

@@ -113,15 +113,6 @@ def _undo_brown(tx, ty, terms, reach):
 
 
 @njit(**OWNING)
-def undistort_all(points, lens):
-    """Raw pixels (n, 2) to undistorted ones."""
-    found = np.empty_like(points)
-    for i in range(len(points)):
-        found[i, 0], found[i, 1] = undistort(points[i, 0], points[i, 1], lens)
-    return found
-
-
-@njit(**OWNING)
 def distort(x_px, y_px, lens):
     """One undistorted pixel to a raw one; NaN beyond the lens's reach."""
     if lens.model == STRAIGHT:
@@ -141,15 +132,6 @@ def distort(x_px, y_px, lens):
         tx = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
         ty = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
     return tx * camera[0] + camera[2], ty * camera[1] + camera[3]
-
-
-@njit(**OWNING)
-def distort_all(points, lens):
-    """Undistorted pixels (n, 2) to raw ones."""
-    found = np.empty_like(points)
-    for i in range(len(points)):
-        found[i, 0], found[i, 1] = distort(points[i, 0], points[i, 1], lens)
-    return found
 
 
 @njit(**OWNING)

@@ -14,37 +14,16 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from vision.calibration.calibration import Calibration, FloatArray
-from vision.camera.camera import Image
 from vision.markers.marker_kernels import (
     APART,
     AT_EDGE,
-    FITTED,
     FOLDED,
     HIDDEN,
     NO_FLOOR,
     PARALLEL,
     ROUGH,
     UNREAD,
-    fit_quad,
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RefinedQuad:
-    """``corners_px`` (4, 2) undistorted; ``roughness_px``: rms distance of edge points to sides.
-
-    ``error_px``: standard error of the worst corner, larger if much of a side is covered.
-    """
-
-    corners_px: FloatArray
-    roughness_px: float
-    error_px: float
-
 
 _REFUSALS = {
     AT_EDGE: "it touches the picture's edge",
@@ -58,32 +37,8 @@ _REFUSALS = {
 """Reasons why a quadrilateral is not a whole, visible marker."""
 
 
-def refine_quad(
-    grey: Image, corners_px: FloatArray, cells: int, calibration: Calibration
-) -> RefinedQuad | str:
-    """Fit and intersect the sides of one marker, or give the reason to refuse it.
-
-    ``grey`` (h, w); ``corners_px`` (4, 2) raw pixels, good to a few; ``cells`` along a side with
-    the black border.
-    """
-    seen_px = np.array(corners_px, dtype=np.float64, order="C")
-    ideal = np.empty((4, 2))
-    became, roughness_px, error_px = fit_quad(grey, seen_px, cells, calibration.lens, ideal)
-    if became != FITTED:
-        return why_refused(became, roughness_px)
-    return RefinedQuad(ideal, roughness_px, error_px)
-
-
 def why_refused(became: int, roughness_px: float) -> str:
     """Put a refusal into words."""
     if became == ROUGH:
         return f"its sides are not straight ({roughness_px:.2f} px)"
     return _REFUSALS[became]
-
-
-def warm_up() -> None:
-    """Compile or load the kernels: the first frame must not wait."""
-    square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
-    blank = np.zeros((32, 32), dtype=np.uint8)
-    blank.setflags(write=False)
-    refine_quad(blank, square, 6, Calibration.from_scale(1.0, (32, 32)))

@@ -161,23 +161,6 @@ class MarkerTracker:
         grey.setflags(write=False)
         return grey
 
-    def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
-        """Milliseconds since a robot was last seen; None if never."""
-        last_s = self._tracks[robot_id].last_s
-        return None if last_s is None else max(0.0, 1000.0 * (now_s - last_s))
-
-    def remarks(self, now_s: float, patience_ms: float = 100.0) -> tuple[str, ...]:
-        """A sentence for each robot unseen for longer than ``patience_ms``."""
-        said = []
-        for robot_id, track in self._tracks.items():
-            unseen_ms = self.unseen_ms(robot_id, now_s)
-            if unseen_ms is None:
-                said.append(f"robot {robot_id}: not seen yet")
-            elif unseen_ms > patience_ms:
-                jumped = "; its marker was seen where it cannot be" if track.refused else ""
-                said.append(f"robot {robot_id}: not seen for {unseen_ms:.0f} ms{jumped}")
-        return tuple(said)
-
     def _worth_searching(self, missing: list[int], now_s: float) -> bool:
         """True within a second of the loss, then for every third frame."""
         first_s = now_s if self._first_s is None else self._first_s

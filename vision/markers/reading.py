@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
-from vision.markers.marker_corners import refine_quad, why_refused
-from vision.markers.marker_kernels import FITTED
+from vision.markers.marker_corners import why_refused
+from vision.markers.marker_kernels import FITTED, fit_quad
 from vision.markers.marker_pattern import pattern_bits
 from vision.markers.marker_place_kernels import see_marker
 from vision.markers.marker_search import (
@@ -184,14 +184,17 @@ def _placed(
     height_m: float,
 ) -> tuple[FloatArray, str, tuple[float, float, float] | None, float | None, float | None]:
     """Corners in raw pixels, remark, pose and side on the floor, and error."""
+    guess_px, corners_px = np.array(quad, dtype=np.float64, order="C"), np.empty((4, 2))
     if calibration is None:
         straight = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
-        refined = refine_quad(grey, quad, bits.shape[0], straight)
-        if isinstance(refined, str):
-            return quad, refined, None, None, None
-        return straight.distort_points(refined.corners_px), "", None, None, refined.error_px
-    corners, corners_px, remark, error_px = np.empty((4, 2)), np.empty((4, 2)), "", None
-    view, guess_px = calibration.plane_view(height_m), np.array(quad, dtype=np.float64, order="C")
+        became, roughness_px, fit_px = fit_quad(
+            grey, guess_px, bits.shape[0], straight.lens, corners_px
+        )
+        if became != FITTED:
+            return quad, why_refused(became, roughness_px), None, None, None
+        return corners_px, "", None, None, fit_px
+    corners, remark, error_px = np.empty((4, 2)), "", None
+    view = calibration.plane_view(height_m)
     became, roughness_px, fit_px = see_marker(grey, guess_px, bits, view, corners, corners_px)
     if became == FITTED:
         error_px = max(fit_px, nearest_square(corners)[2] / calibration.metres_per_pixel)

@@ -24,7 +24,7 @@ from navigation.config.several.each_robot import robots_of
 from navigation.dashboard.replay.player import Player
 from navigation.dashboard.replay.taped_robot import Moment, TapedRobot
 from navigation.loop.run_state import RunState
-from navigation.recording.reader import SeenScene
+from navigation.recording.events import SceneSeen
 from navigation.recording.tape import Tape, TapedPicture
 from planner.roadmap.roadmap import Roadmap
 from planner.zones.zone import Zone
@@ -162,7 +162,7 @@ class ReplayedRun:
             )
         return self._frame[1]
 
-    def _roadmap(self, seen: SeenScene | None) -> Roadmap | None:
+    def _roadmap(self, seen: SceneSeen | None) -> Roadmap | None:
         """Roadmap of a scene; the last available one until it is built."""
         if seen is None:
             return None

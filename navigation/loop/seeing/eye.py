@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias, TypedDict
+from typing import TypeAlias
 
 import numpy as np
 
 import vision
+from navigation.config.sections import VisionSection
 from planner.scene import Bounds, FloatArray, Scene
-from vision.binarise import Method, Polarity
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.marker_search import grey_of
@@ -40,9 +40,7 @@ class EyeSettings:
     """Search settings from the configuration."""
 
     bounds_m: Bounds
-    polarity: Polarity
-    method: Method
-    threshold: float | None
+    vision: VisionSection
     driven_ids: tuple[int, ...]
     """Markers of the driven robots."""
     bodies: Mapping[int, RobotShape]
@@ -150,28 +148,11 @@ class Eye:
                 return known
         scene = vision.extract(
             background,
-            **extract_settings(self.settings),
+            **dict(self.settings.vision),
             calibration=self.calibration,
             bounds=self.settings.bounds_m,
         )
         return KnownScene.of(scene, self.calibration)
-
-
-class ExtractSettings(TypedDict):
-    """Arguments of ``vision.extract``."""
-
-    polarity: Polarity
-    method: Method
-    threshold: float | None
-
-
-def extract_settings(settings: EyeSettings) -> ExtractSettings:
-    """Make the arguments of ``vision.extract``."""
-    return ExtractSettings(
-        polarity=settings.polarity,
-        method=settings.method,
-        threshold=settings.threshold,
-    )
 
 
 def doubles_of(tracker: MarkerTracker, driven_ids: Sequence[int]) -> dict[int, str]:

@@ -25,9 +25,7 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
     seen = (*robots, *config.other_robots)
     return EyeSettings(
         bounds_m=Bounds(*config.arena.bounds_m),
-        polarity=config.vision.polarity,
-        method=config.vision.method,
-        threshold=config.vision.threshold,
+        vision=config.vision,
         driven_ids=tuple(one.marker_id for one in robots),
         bodies={one.marker_id: RobotShape(one.radius_m, one.marker_height_m) for one in seen},
         reach_m=max((reach_m(one, config.safety) for one in driven), default=0.0),

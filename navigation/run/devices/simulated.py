@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import shlex
 from collections.abc import Callable
 
 import numpy as np
@@ -20,7 +19,6 @@ from navigation.simulator.settings import (
 )
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.simulator.twins.clearway import ClearwayTwin
-from navigation.simulator.twins.emulated import EmulatedTwin
 from navigation.simulator.twins.kinds import TWINS
 from navigation.simulator.twins.twin import Twin
 from vision.camera.camera import CameraError
@@ -35,23 +33,16 @@ def simulated_robot(config: Config, clock: Callable[[], float]) -> SimulatedRobo
         rng=np.random.default_rng(0 if simulation is None else simulation.seed),
         model=drive_model_of(config),
         faults=faults_of(config),
-        baud=None if _is_emulated(config) else config.serial.baud,
+        baud=config.serial.baud,
         clock=clock,
     )
 
 
-def _is_emulated(config: Config) -> bool:
-    return config.simulation is not None and bool(config.simulation.robot.emulator)
-
-
 def _twin_of(config: Config) -> Twin:
-    simulation, model = config.simulation, drive_model_of(config)
-    if simulation is not None and simulation.robot.emulator:
-        return EmulatedTwin(shlex.split(simulation.robot.emulator), model=model)
     if config.robot.driver != CLEARWAY:
         return TWINS[config.robot.driver]()
-    seed = 0 if simulation is None else simulation.seed
-    settings = drive_settings_of(config)
+    seed = 0 if config.simulation is None else config.simulation.seed
+    settings, model = drive_settings_of(config), drive_model_of(config)
     return ClearwayTwin(settings, model=model, boot_ids=random.Random(seed))
 
 

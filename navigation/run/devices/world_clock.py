@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, MutableSequence
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import robots_of
 from navigation.config.values import SIMULATED
-from navigation.simulator.picture.knocked_camera import KnockedCamera
-from navigation.simulator.picture.timed_camera import TimedCamera
-from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.slowing_clock import SlowingClock
 
 ROBOT_SLACK_S: Final = 0.02
@@ -69,7 +66,7 @@ def slowness(clock: WorldClock) -> tuple[str, ...]:
 
 
 def is_all_simulated(config: Config) -> bool:
-    """True if no camera or robot runs by the wall's clock, as drivers and emulators do."""
+    """True if no camera or robot runs by the wall's clock, as drivers do."""
     cameras = list(each_camera(config).values()) or [config]
     return all(map(_is_simulated, robots_of(config).values())) and all(
         one.camera.source == SIMULATED for one in cameras
@@ -77,17 +74,4 @@ def is_all_simulated(config: Config) -> bool:
 
 
 def _is_simulated(robot: Config) -> bool:
-    emulator = None if robot.simulation is None else robot.simulation.robot.emulator
-    return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY and not emulator
-
-
-def wait_for_robot(clock: WorldClock, name: str, robot: SimulatedRobot) -> None:
-    """Make the clock wait for a simulated robot."""
-    clock.waits_for(f"robot {name}", robot.late_since_s, ROBOT_SLACK_S)
-
-
-def wait_for_camera(
-    clock: WorldClock, name: str | None, camera: TimedCamera[Any] | KnockedCamera
-) -> None:
-    """Make the clock wait for a simulated camera, replacing the last of this name."""
-    clock.waits_for(f"camera {name}", lambda: camera.late_since_s, CAMERA_SLACK_S)
+    return robot.serial.port == SIMULATED and robot.robot.driver == CLEARWAY

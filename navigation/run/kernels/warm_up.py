@@ -132,9 +132,7 @@ def _see(vision: VisionSection, robot: RobotSection) -> list[Scene]:
         MarkerTracker(calibration, [marked], robot.dictionary),
         EyeSettings(
             bounds_m=BOUNDS,
-            polarity=vision.polarity,
-            method=vision.method,
-            threshold=vision.threshold,
+            vision=vision,
             driven_ids=(marked.id,),
             bodies={marked.id: RobotShape(BODY_RADIUS_M, 0.0)},
         ),

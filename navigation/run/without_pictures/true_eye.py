@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -94,8 +94,7 @@ class TrueJoinedEye(JoinedEye):
 
 def _scene_of(things: Things, settings: EyeSettings, calibration: Calibration) -> Scene:
     """Scene of the known things, with the doubts that a picture of it would raise."""
-    polarity: Literal["dark", "light"] = "light" if settings.polarity == "light" else "dark"
-    how = Binarisation("truth", 128.0, polarity, "the simulation holds none")
+    how = Binarisation("truth", 128.0, settings.vision.polarity, "the simulation holds none")
     return with_doubts(
         Scene(
             units="m",

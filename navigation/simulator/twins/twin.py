@@ -54,7 +54,3 @@ class Twin(Protocol):
     def lift(self, lifted: bool) -> None:
         """Take the wheels off the floor, or put them back, for its sensor if it has one."""
         return
-
-    def close(self) -> None:
-        """End its processes outside this one, even during a step."""
-        return

@@ -70,7 +70,7 @@ def test_a_robot_that_is_carried_while_the_computer_is_late_waits_for_a_person(
     driving: tuple[TroubledWorld, Daemon],
 ) -> None:
     world, daemon = driving
-    pose = world.body.robot.pose()
+    pose = world.body.pose()
     world.body.troubles.carried_to = (pose.x_m, pose.y_m + 0.3, pose.heading_rad)
     world.wait(0.6)
     now = cycle_until(daemon, lambda now: now.mission.state is State.STOPPED, 10.0)
@@ -86,7 +86,7 @@ def test_a_picture_that_freezes_while_the_computer_is_late_moves_nothing_far(
     for _ in range(60):
         daemon.cycle()
         world.wait(0.4)
-        places.append(world.body.robot.pose()[:2])
+        places.append(world.body.pose()[:2])
     assert max(abs(x - places[0][0]) + abs(y - places[0][1]) for x, y in places) < 0.15
     assert not is_driving(daemon.cycle().only)
 

@@ -21,6 +21,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.simulator.line_faults import FaultSpec
 from planner.scene import Scene
+from tests.support.runs.troubled_robot import press_estop
 from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, is_driving, set_trouble, short_config
 
@@ -112,12 +113,12 @@ def carry_near_an_obstacle(arena: Arena) -> None:
 
 
 def carry_off_the_path(arena: Arena) -> None:
-    x, y, heading = arena.world.body.robot.pose()
+    x, y, heading = arena.world.body.pose()
     arena.world.body.troubles.carried_to = (x + 0.07, y, heading)
 
 
 def press_the_button(arena: Arena) -> None:
-    arena.world.body.robot.press_estop()
+    press_estop(arena.world.body)
 
 
 def press_pause(arena: Arena) -> None:
@@ -174,10 +175,10 @@ def test_each_broken_rule_stops_the_robot_within_one_cycle_and_says_why(
     if break_it is carry_off_the_path:
         return  # the cause has passed with the old plan: the robot goes on before it stands
     cycle_until(arena.daemon, lambda _: arena.stands(), LEASE_S + 0.1 + BRAKING_S)
-    stood = arena.world.body.robot.pose()
+    stood = arena.world.body.pose()
     later = cycle_until(arena.daemon, lambda _: arena.world.clock() > broken_s + 3.0)
     assert later.mission.state is state
-    assert math.dist(stood[:2], arena.world.body.robot.pose()[:2]) < 0.002
+    assert math.dist(stood[:2], arena.world.body.pose()[:2]) < 0.002
 
 
 HEAL = {
@@ -202,7 +203,7 @@ def test_what_passes_by_itself_lets_the_mission_go_on(
         set_trouble(arena.world, name, value)
     ended = cycle_until(arena.daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert math.dist(arena.world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(arena.world.body.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 @pytest.mark.parametrize("break_it", [press_the_button, press_stop])
@@ -252,9 +253,9 @@ def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena
 
 def test_a_control_loop_that_hangs_stops_the_robot_by_its_lease(arena: Arena) -> None:
     arena.world.wait(LEASE_S + BRAKING_S + DRIVE_LAG_S)
-    before = arena.world.body.robot.pose()
+    before = arena.world.body.pose()
     arena.world.wait(0.01)
-    assert math.dist(before[:2], arena.world.body.robot.pose()[:2]) <= 0.01 * 0.01, "creeps at most"
+    assert math.dist(before[:2], arena.world.body.pose()[:2]) <= 0.01 * 0.01, "creeps at most"
     arena.world.wait(2 * DRIVE_LAG_S)
     assert arena.stands()
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE

@@ -91,7 +91,7 @@ def test_the_mission_goes_on_once_the_cause_is_gone(
     set_trouble(world, trouble, False)
     ended = cycle_until(daemon, lambda now: now.mission.is_over, 60.0)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert math.dist(world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(world.body.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_is_tried_again_more_and_more_seldom() -> None:
@@ -190,7 +190,13 @@ def test_of_several_robots_each_says_so_for_itself(
         rows.append((now.time_s, one.mission.state, one.mission.reason))
         return bool(now.time_s > 12.0)
 
-    run_virtually(open_hall("a", "b", time_limit_s=20.0), meet=meet, look=look, pictures=False)
+    run_virtually(
+        open_hall("a", "b", time_limit_s=20.0),
+        meet=meet,
+        look=look,
+        pictures=False,
+        make_world=TroubledWorld,
+    )
     after = [row for row in rows if row[0] > 3.0 + SAID_WITHIN_S]
     assert after
     assert all(state is not State.DRIVING for _, state, _ in after)

@@ -60,7 +60,7 @@ def test_an_obstacle_more_is_told_and_a_plan_that_goes_elsewhere(lossless: Path)
     recording = read_recording(lossless)
     seen = recording.scenes[0]
     fewer = Scene("m", seen.scene.bounds, seen.scene.objects[:-1])
-    recording.scenes[0] = type(seen)(seen.captured_s, 1, False, fewer)
+    recording.scenes[0] = replace(seen, revision=1, carried=False, scene=fewer)
     recording.plans[0].answer["path"][3][0] += 0.2
     kinds = [difference.kind for difference in replay(recording).differences]
     assert kinds == ["scene", "plan"]

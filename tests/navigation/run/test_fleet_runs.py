@@ -16,8 +16,9 @@ from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
 from navigation.run.virtual_run import run_virtually
-from navigation.run.virtual_world import VirtualTimes, VirtualWorld
+from navigation.run.virtual_world import VirtualTimes
 from tests.support.runs.light_camera import in_small_pictures
+from tests.support.runs.troubled_world import TroubledWorld
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
@@ -58,10 +59,15 @@ def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
 
 
 def test_a_robot_that_dies_is_driven_around() -> None:
-    def meet(world: VirtualWorld, since_s: float) -> None:
+    def meet(world: TroubledWorld, since_s: float) -> None:
         world.bodies["c"].off = since_s > 3.5
 
-    report = run_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False)
+    report = run_virtually(
+        open_hall("a", "b", "c", time_limit_s=80.0),
+        meet=meet,
+        pictures=False,
+        make_world=TroubledWorld,
+    )
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state == "failed"
     assert report.least_gap_m is not None
@@ -72,10 +78,15 @@ def test_a_robot_that_dies_is_driven_around() -> None:
 def test_a_robot_that_runs_away_touches_nobody(since_s: float) -> None:
     """From 3.4, 2.1 and 1.5 s before it would hit one that stands, or drives as promised."""
 
-    def meet(world: VirtualWorld, now_s: float) -> None:
+    def meet(world: TroubledWorld, now_s: float) -> None:
         world.bodies["c"].frozen = now_s > since_s
 
-    report = run_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet, pictures=False)
+    report = run_virtually(
+        open_hall("a", "b", "c", time_limit_s=80.0),
+        meet=meet,
+        pictures=False,
+        make_world=TroubledWorld,
+    )
     assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
     assert report.robots["c"].state in ("stopped", "failed")
     assert report.least_gap_m is not None
@@ -170,10 +181,15 @@ def test_a_robot_that_skips_a_station_goes_on_to_the_next_one() -> None:
 
 
 def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen() -> None:
-    def meet(world: VirtualWorld, since_s: float) -> None:
+    def meet(world: TroubledWorld, since_s: float) -> None:
         world.bodies["b"].troubles.marker_hidden = 3.0 < since_s < 7.0
 
-    report = run_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet, pictures=False)
+    report = run_virtually(
+        open_hall("a", "b", time_limit_s=80.0),
+        meet=meet,
+        pictures=False,
+        make_world=TroubledWorld,
+    )
     assert report.state == "done"
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
@@ -184,7 +200,7 @@ def test_a_second_marker_of_one_robot_stops_it_and_the_other_keeps_clear(picture
     ended: dict[str, MissionState] = {}
     sentence = ""
 
-    def meet(world: VirtualWorld, since_s: float) -> None:
+    def meet(world: TroubledWorld, since_s: float) -> None:
         world.bodies["b"].troubles.double_at = (0.3, 1.5, 0.0) if since_s > 3.0 else None
 
     def look(_daemon: Daemon, now: RunState) -> bool:
@@ -196,7 +212,11 @@ def test_a_second_marker_of_one_robot_stops_it_and_the_other_keeps_clear(picture
         return now.time_s > 12.0
 
     report = run_virtually(
-        open_hall("a", "b", base=SMALL, time_limit_s=80.0), meet=meet, look=look, pictures=pictures
+        open_hall("a", "b", base=SMALL, time_limit_s=80.0),
+        meet=meet,
+        look=look,
+        pictures=pictures,
+        make_world=TroubledWorld,
     )
     assert "marker" in sentence
     assert "is seen at" in sentence

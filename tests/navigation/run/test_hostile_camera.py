@@ -48,7 +48,7 @@ class Stage:
     _last: tuple[float, float] | None = None
 
     def watch(self, now: RobotSnapshot) -> None:
-        here = self.world.body.robot.pose()[:2]
+        here = self.world.body.pose()[:2]
         self.driven_m += math.dist(here, self._last or here)
         self._last = here
         if now.sentence not in self.said[-1:]:
@@ -177,12 +177,12 @@ def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
 
 def test_a_robot_that_was_knocked_proves_itself_and_goes_on(stage: Stage) -> None:
     stage.set_off()
-    x, y, heading = stage.world.body.robot.pose()
+    x, y, heading = stage.world.body.pose()
     stage.world.body.troubles.carried_to = (x + 0.06, y, heading)
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
     assert any(said.endswith("the robot turns a little to prove itself") for said in stage.said)
-    assert math.dist(stage.world.body.robot.pose()[:2], GOAL) < 0.01
+    assert math.dist(stage.world.body.pose()[:2], GOAL) < 0.01
 
 
 def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None:
@@ -201,7 +201,7 @@ def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None
 def test_what_a_robot_was_carried_over_does_not_count_as_driven(stage: Stage) -> None:
     """Over an obstacle, in steps that the camera sees, and set down behind it."""
     stage.set_off()
-    x, y, _ = stage.world.body.robot.pose()
+    x, y, _ = stage.world.body.pose()
     for share in np.linspace(0.0, 1.0, 60):
         place = (x + share * (BEHIND[0] - x), y + share * (BEHIND[1] - y), 1.0)
         stage.world.body.troubles.carried_to = place
@@ -229,9 +229,9 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
     stage.rest()
     stage.world.body.troubles.marker_hidden = False
     stage.until(State.PROVING)
-    stood = stage.world.body.robot.pose()[:2]
+    stood = stage.world.body.pose()[:2]
     stage.until(State.DRIVING)
-    assert math.dist(stood, stage.world.body.robot.pose()[:2]) < 0.01, "it turned on the spot"
+    assert math.dist(stood, stage.world.body.pose()[:2]) < 0.01, "it turned on the spot"
     assert stage.daemon.robot.pilot.trust.level is Level.PROBATION
     assert stage.daemon.robot.pilot.plan.targets[0].speed_m_s <= 0.08
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
@@ -252,7 +252,7 @@ def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: floa
     found_s = stage.daemon.robot.witness.evidence().latency_s
     assert found_s == pytest.approx(latency_s, abs=0.03)
     assert stage.clearance_m() > 0.02
-    assert math.dist(stage.world.body.robot.pose()[:2], GOAL) < 0.01
+    assert math.dist(stage.world.body.pose()[:2], GOAL) < 0.01
 
 
 @pytest.mark.parametrize(
@@ -321,12 +321,12 @@ def test_pushed_back_time_and_again_the_mission_is_given_up() -> None:
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))
         cycle_until(daemon, is_driving)
-        x0, y0, _ = world.body.robot.pose()
+        x0, y0, _ = world.body.pose()
         pushes = 0
 
         def push(now: RobotSnapshot) -> None:
             nonlocal pushes
-            x, y, heading = world.body.robot.pose()
+            x, y, heading = world.body.pose()
             if now.mission.state is State.DRIVING and math.dist((x, y), (x0, y0)) > 0.05:
                 pushes += 1
                 world.body.troubles.carried_to = (x0, y0, heading)

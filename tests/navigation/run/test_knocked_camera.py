@@ -76,12 +76,12 @@ def test_a_knock_holds_the_robot_within_a_second_until_the_camera_is_back(
         said = []
         cycle_until(daemon, lambda now: not now.link.moving)
         daemon.people.resume()
-        here = world.body.robot.pose()[:2]
+        here = world.body.pose()[:2]
         until_s = back_s - 0.1
         cycle_until(
             daemon, lambda _: world.clock() > until_s, each=lambda now: said.append(now.sentence)
         )
-        assert math.dist(here, world.body.robot.pose()[:2]) < 0.001, "it stands, whoever resumes"
+        assert math.dist(here, world.body.pose()[:2]) < 0.001, "it stands, whoever resumes"
         assert all("the camera has moved: " in sentence for sentence in said)
         done = cycle_until(daemon, lambda now: now.mission.state is State.DONE)
         assert world.clock() > back_s
@@ -93,10 +93,10 @@ def test_a_knock_holds_the_robot_within_a_second_until_the_camera_is_back(
 def test_a_camera_that_was_knocked_before_the_run_never_lets_the_robot_drive() -> None:
     config = arena([{"from_s": 0.0, "tilt_deg": (2 * TILT_DEG, 0.0)}])
     with driving(config) as (world, daemon):
-        start = world.body.robot.pose()[:2]
+        start = world.body.pose()[:2]
         now = cycle_until(daemon, lambda _: world.clock() > 6.0)
         assert "since before the run" in now.sentence
-        assert math.dist(start, world.body.robot.pose()[:2]) < 0.02
+        assert math.dist(start, world.body.pose()[:2]) < 0.02
 
 
 def test_a_run_of_a_camera_that_hangs_still_says_nothing() -> None:
@@ -132,7 +132,7 @@ def test_the_anchoring_is_renewed_from_the_markers_and_a_new_run_drives_by_it(
         done = cycle_until(daemon, lambda now: now.mission.state is State.DONE)
         assert done.troubles == ()
         goal = (GOAL[0]["x_m"], GOAL[0]["y_m"])
-        assert math.dist(world.body.robot.pose()[:2], goal) < 0.015
+        assert math.dist(world.body.pose()[:2], goal) < 0.015
 
 
 def test_a_lens_found_meanwhile_is_placed_by_the_markers_and_a_new_run_drives_by_it(
@@ -148,11 +148,11 @@ def test_a_lens_found_meanwhile_is_placed_by_the_markers_and_a_new_run_drives_by
     asked: list[None] = []
     with driving(config) as (world, daemon):
         daemon.lent = "the camera is being calibrated from the page"
-        here = world.body.robot.pose()[:2]
+        here = world.body.pose()[:2]
         held = cycle_until(daemon, lambda now: "being calibrated" in now.sentence)
         assert held.mission.state is State.HOLDING
         cycle_until(daemon, lambda _: world.clock() > 4.0)
-        assert math.dist(here, world.body.robot.pose()[:2]) < 0.001, "the robot holds"
+        assert math.dist(here, world.body.pose()[:2]) < 0.001, "the robot holds"
         with pytest.raises(MissionError, match="being calibrated"):
             daemon.people.give(stations_of(config))
         frame = cycle_until(daemon, lambda now: now.frame is not None).frame

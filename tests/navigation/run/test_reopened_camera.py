@@ -37,7 +37,7 @@ def lose_the_camera(
             daemon, lambda now: now.evidence.driven_m > 0.4 and not now.evidence.wheels_stand
         )
         assert now.evidence.latency_s is not None, "dated by what was measured"
-        seen_last = world.body.robot.pose()
+        seen_last = world.body.pose()
         lost_s = world.clock()
         set_trouble(world, how, True)
         cycle_until(daemon, lambda _: world.clock() > lost_s + away_s)
@@ -63,7 +63,7 @@ def test_the_way_braked_blind_is_no_slip(how: str, away_s: float) -> None:
     world, state, sentence, reopened = lose_the_camera(how, away_s, lambda _world, _pose: None)
     assert reopened >= 1
     assert state is State.DONE, sentence
-    assert math.dist(world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(world.body.pose()[:2], (0.20, 1.60)) < 0.01
 
 
 @pytest.mark.parametrize("how", ["camera_lost", "camera_silent", "camera_frozen"])
@@ -71,7 +71,7 @@ def test_a_robot_that_is_put_back_where_it_was_seen_last_needs_a_person(how: str
     """Its wheels have braked over 0.13 m: the camera must see that, or a person look."""
 
     def put_back(world: TroubledWorld, seen_last: tuple[float, float, float]) -> None:
-        assert math.dist(world.body.robot.pose()[:2], seen_last[:2]) > 0.12
+        assert math.dist(world.body.pose()[:2], seen_last[:2]) > 0.12
         world.body.troubles.carried_to = seen_last
 
     _, state, sentence, reopened = lose_the_camera(how, 2.0, put_back)

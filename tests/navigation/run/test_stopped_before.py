@@ -12,6 +12,7 @@ from navigation.loop.daemon import Daemon
 from navigation.mission.mission import MissionProgress, State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_robot import switch_off_and_on
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 GOAL = [{"x_m": 0.9, "y_m": 0.3}]
@@ -39,7 +40,7 @@ def test_a_stop_is_in_force_after_a_kill_and_a_restart(
     assert first.people.stop("a person") is None
     # killed here: not one cycle more
     if power_cut:
-        world.body.robot.switch_off_and_on()
+        switch_off_and_on(world.body)
     world.wait(2.0)
     other = {name: tmp_path / "other" for name in ("socket", "configuration") if name != again}
     second = Daemon(config, world, first_mission_id=1000)
@@ -80,7 +81,7 @@ def test_a_robot_that_was_rearmed_waits_in_the_next_run_too_for_the_word_to_go_o
         for _ in range(50):
             first.cycle()
     # killed here
-    world.body.robot.switch_off_and_on()
+    switch_off_and_on(world.body)
     world.wait(2.0)
     with Journal(tmp_path / "journal", owner) as journal:
         second = Daemon(config, world, first_mission_id=1000, journals={"": journal})

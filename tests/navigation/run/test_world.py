@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.run.devices.world_clock import is_all_simulated, world_clock
+from navigation.run.devices.world_clock import world_clock
 from navigation.run.world import World
 from navigation.simulator.shared_pose import PoseFileError, PoseWriter
 from tests.support.waiting import wait_until
@@ -101,12 +101,3 @@ def test_time_waits_only_in_a_world_where_all_is_simulated(name: str, waits: boo
     before_s = clock()
     time.sleep(0.02)  # time that the wall's clock counts
     assert (clock() - before_s < 0.01) == waits
-
-
-def test_an_emulated_processor_goes_by_the_wall_s_clock() -> None:
-    config = load_config(CONFIGS / "simulation.yaml", {})
-    assert config.simulation is not None
-    robot = config.simulation.robot.model_copy(update={"emulator": "an-emulator"})
-    simulation = config.simulation.model_copy(update={"robot": robot})
-    assert is_all_simulated(config)
-    assert not is_all_simulated(config.model_copy(update={"simulation": simulation}))

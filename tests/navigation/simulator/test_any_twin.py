@@ -1,13 +1,9 @@
-"""The line and the thread of any twin: what waits, what ends, and who is held up."""
+"""The line of any twin: what waits in it, and what ends with it."""
 
 from __future__ import annotations
 
 import math
 import os
-import shlex
-import sys
-import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,19 +11,15 @@ import pytest
 
 from firmware_protocol.robot.controller import WheelSpeeds
 from firmware_protocol.wire.messages import RobotState, StopReason
-from navigation.config import Config, load_config
-from navigation.link.serial_port import PortError
+from navigation.config import load_config
 from navigation.run.devices import simulated
 from navigation.run.devices.world_clock import WallClock
 from navigation.run.simulation import Simulation
-from navigation.simulator.emulated_processor import EmulatorError
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError
-from navigation.simulator.robot import END_S, RING_BYTES, SimulatedRobot
+from navigation.simulator.robot import RING_BYTES, SimulatedRobot
 from navigation.simulator.twins.clearway import ClearwayTwin
-from navigation.simulator.twins.emulated import EmulatedTwin
 from navigation.simulator.twins.twin import Body
 from planner.scene import SceneError
-from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 
@@ -39,11 +31,9 @@ class PlainTwin:
     baud = math.inf
     has_frames = False
 
-    def __init__(self, ends_after: int | None = None) -> None:
+    def __init__(self) -> None:
         self.heard: list[bytes] = []
         self.boots = self.steps = 0
-        self.is_closed = False
-        self._ends_after = ends_after
 
     def boot(self, now_s: float) -> None:
         self.boots += 1
@@ -53,8 +43,6 @@ class PlainTwin:
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
         self.steps += 1
-        if self.steps == self._ends_after:
-            raise EmulatorError("the emulator has ended")
         return WheelSpeeds(0.2, 0.2, powered=True)
 
     def bytes_to_send(self, now_s: float) -> bytes:
@@ -65,9 +53,6 @@ class PlainTwin:
 
     def lift(self, lifted: bool) -> None:
         """It feels nothing."""
-
-    def close(self) -> None:
-        self.is_closed = True
 
 
 class Clock:
@@ -117,42 +102,6 @@ def test_a_reset_boots_the_robot_once_more_and_forgets_what_waited() -> None:
     robot.stop()
 
 
-@pytest.mark.timed  # measures how soon a thousand turns return
-def test_a_robot_whose_twin_has_ended_stands_and_its_turns_return_at_once() -> None:
-    twin, clock = PlainTwin(ends_after=200), Clock()
-    robot = robot_of(twin, clock)
-    robot.switched_on()
-    while twin.steps < 200:
-        clock.now_s += 0.002
-        robot.turn()
-    there = robot.pose()
-    clock.now_s += 5.0
-    began_s = time.perf_counter()
-    assert [robot.turn() for _ in range(1000)] == [math.inf] * 1000
-    assert robot.pose() == there
-    assert time.perf_counter() - began_s < 0.4, "nobody waits for it"
-    assert twin.steps == 200
-    assert robot.late_since_s() == math.inf
-    robot.stop()
-    assert twin.is_closed
-
-
-def test_the_thread_of_a_robot_whose_twin_has_ended_is_over() -> None:
-    robot = SimulatedRobot(twin=PlainTwin(ends_after=3), rng=np.random.default_rng(1))
-    robot.start()
-    assert robot._thread is not None
-    robot._thread.join(10.0)
-    assert not robot._thread.is_alive()
-    robot.stop()
-
-
-def test_a_port_that_cannot_be_opened_leaves_no_twin_behind() -> None:
-    twin = PlainTwin()
-    with pytest.raises(PortError):
-        SimulatedRobot(twin=twin, rng=np.random.default_rng(1), port="/dev/tty_that_is_not_there")
-    assert twin.is_closed
-
-
 def test_a_person_presses_the_emergency_stop_on_a_robot_of_ours() -> None:
     twin = ClearwayTwin()
     robot = SimulatedRobot(twin=twin, rng=np.random.default_rng(1))
@@ -170,82 +119,37 @@ def test_faults_of_whole_frames_are_refused_where_the_line_has_none() -> None:
         robot_of(PlainTwin(), Clock(), "dup=0.1")
 
 
-# Emulators in a whole simulation of two robots.
-
-EMULATOR = """
-import os, struct, sys, time
-read, write = sys.stdin.buffer.read, sys.stdout.buffer.write
-number = sum(name.startswith("started") for name in os.listdir(sys.argv[1]))
-open(os.path.join(sys.argv[1], f"started{number}"), "w").close()
-while head := read(11):
-    if number == 0 and sys.argv[2] == "hangs":
-        time.sleep(600)  # hanging
-    read(struct.unpack("<IhhBH", head)[4])
-    write(struct.pack("<BBBIIH", 51, 51, 1, 0, 0, 0))
-    sys.stdout.buffer.flush()
-"""
-"""It drives straight on; the first one that is started hangs where the second word says so."""
+# A whole simulation of two robots.
 
 
-def emulated(folder: Path, word: str = "runs", command: str | None = None) -> Config:
-    """Two robots, each on an emulator of its own."""
-    program = folder / "emulator.py"
-    program.write_text(EMULATOR)
-    if command is None:
-        command = shlex.join([sys.executable, str(program), str(folder), word])
+def open_files() -> int:
+    """How many files this process has open: a robot's pseudo-terminal has two."""
+    return len(os.listdir("/proc/self/fd"))
+
+
+def test_a_simulation_without_its_arena_opens_no_line() -> None:
     config = load_config(CONFIGS / "alcove.yaml")
     assert config.simulation is not None
-    robot = config.simulation.robot.model_copy(update={"emulator": command})
-    simulation = config.simulation.model_copy(update={"robot": robot})
-    return config.model_copy(update={"simulation": simulation})
-
-
-def started(folder: Path) -> int:
-    """How many emulators have been started."""
-    return len(list(folder.glob("started*")))
-
-
-def test_an_emulator_that_hangs_holds_up_no_other_robot_and_not_the_end(tmp_path: Path) -> None:
-    simulation = Simulation(emulated(tmp_path, "hangs"), WallClock())
-    first, second = simulation.robots.values()
-    assert wait_until(lambda: started(tmp_path) == 2, 30.0)
-    simulation.start()
-    assert wait_until(lambda: sum(len(one.track()) > 20 for one in (first, second)) == 1, 30.0)
-    ended = threading.Thread(target=simulation.stop)
-    ended.start()
-    ended.join(3 * END_S + 10.0)
-    assert not ended.is_alive()
-
-
-def test_a_simulation_without_its_arena_starts_no_robot(tmp_path: Path) -> None:
-    config = emulated(tmp_path)
-    assert config.simulation is not None
     nothing = config.simulation.model_copy(update={"arena": None, "arena_text": "nonsense"})
+    before = open_files()
     with pytest.raises(SceneError):
         Simulation(config.model_copy(update={"simulation": nothing}), WallClock())
-    time.sleep(0.3)  # an emulator would have started by then
-    assert started(tmp_path) == 0
+    assert open_files() == before
 
 
-def test_a_robot_that_cannot_be_made_ends_those_that_were(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made: list[EmulatedTwin] = []
-    closed: list[EmulatedTwin] = []
+def test_a_robot_that_cannot_be_made_ends_those_that_were(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[ClearwayTwin] = []
 
-    class SecondFails(EmulatedTwin):
+    class SecondFails(ClearwayTwin):
         def __init__(self, *given: object, **named: object) -> None:
             if made:
-                raise EmulatorError("emulator: no such file")
+                raise OSError("no more pseudo-terminals")
             super().__init__(*given, **named)  # type: ignore[arg-type]
             made.append(self)
 
-        def close(self) -> None:
-            closed.append(self)
-            super().close()
-
-    monkeypatch.setattr(simulated, "EmulatedTwin", SecondFails)
-    with pytest.raises(EmulatorError):
-        Simulation(emulated(tmp_path), WallClock())
-    assert closed == made
+    monkeypatch.setattr(simulated, "ClearwayTwin", SecondFails)
+    before = open_files()
+    with pytest.raises(OSError, match="no more"):
+        Simulation(load_config(CONFIGS / "alcove.yaml"), WallClock())
     assert len(made) == 1
+    assert open_files() == before

@@ -16,10 +16,10 @@ import pytest
 
 from navigation.simulator import own_time
 from navigation.simulator.drive_model import DriveModel
-from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
-from navigation.simulator.twins.emulated import EmulatedTwin
+from tests.support.robots.emulated_processor import EmulatedProcessor, Motors
+from tests.support.robots.emulated_twin import EmulatedTwin
 
 PROMPT = """
 import struct, sys
@@ -100,6 +100,7 @@ def test_a_pose_is_that_of_the_moment_it_is_asked_for_though_the_emulator_stalls
         behind_m.append(asked_s * SPEED_M_S - robot.pose().x_m)
         clock.pass_by(0.01)  # a camera's period
     robot.stop()
+    robot.twin.close()
     assert max(behind_m) / SPEED_M_S < 0.02, "a frame of that time would show it where it was"
     assert len(behind_m) > 10
 
@@ -124,6 +125,7 @@ def test_bytes_do_not_reach_a_stalled_emulator_before_their_time(tmp_path: Path)
         clock.pass_by(0.01)
     step = int.from_bytes(os.read(host, 4), "little")
     robot.stop()
+    robot.twin.close()
     os.close(host)
     assert step * STEP_S > sent_s[0] - 0.01
 

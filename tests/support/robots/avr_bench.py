@@ -11,9 +11,9 @@ from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import Event
 from firmware_protocol.wire.framing import FrameParser, Sender
 from firmware_protocol.wire.messages import MessageType, RobotState
-from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from tests.support.robots.avr_robot import AvrRobot
+from tests.support.robots.emulated_processor import EmulatedProcessor, Motors
 
 TICK_S = 0.001
 LAG_S = 0.05

@@ -23,8 +23,8 @@ from firmware_protocol.wire.messages import (
     StopReason,
     read_message,
 )
-from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from tests.support.robots.avr_robot import AvrRobot
+from tests.support.robots.emulated_processor import EmulatedProcessor, Motors
 
 TOLD_S = 0.03
 """A change is told within 10 ms, behind a frame under way, by a frame of 8 ms."""

@@ -12,8 +12,8 @@ import tempfile
 from pathlib import Path
 from types import TracebackType
 
-from navigation.simulator.emulated_processor import EmulatedProcessor
 from tests.support.robots.c_robot import FIRMWARE
+from tests.support.robots.emulated_processor import EmulatedProcessor
 
 BRIDGE = Path(__file__).parents[2] / "hil" / "avr_bridge.c"
 

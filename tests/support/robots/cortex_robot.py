@@ -14,8 +14,8 @@ import time
 from pathlib import Path
 from types import TracebackType
 
-from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from tests.support.robots.c_robot import FIRMWARE
+from tests.support.robots.emulated_processor import EmulatedProcessor, Motors
 
 ROOT = Path(__file__).parents[3]
 

@@ -22,6 +22,7 @@ from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.run_report import least_gap
 from tests.support.runs.kills import TIME_LIMIT_S, Killed, MortalWorld, stands
+from tests.support.runs.troubled_robot import switch_off_and_on
 
 QUESTIONS = 10_000
 """How often the clock is asked in about ten seconds: a kill comes within so many."""
@@ -69,7 +70,7 @@ def drive_fleet_under_fire(
             world.bury()
             for body in world.bodies.values():
                 if rng.random() < power_cycles:
-                    body.robot.switch_off_and_on()
+                    switch_off_and_on(body)
             world.wait(float(rng.uniform(0.05, 3.0)))
     gap = least_gap(daemon)
     alone = each_robot(config)

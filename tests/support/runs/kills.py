@@ -21,6 +21,7 @@ from navigation.mission.mission import State
 from navigation.run.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualWorld
 from planner.scene import FloatArray
+from tests.support.runs.troubled_robot import switch_off_and_on
 
 TIME_LIMIT_S = 600.0
 NEAR_M = 0.02
@@ -102,7 +103,7 @@ def drive_under_fire(
             first_id += 1000
             world.bury()
             if rng.random() < power_cycles:
-                world.body.robot.switch_off_and_on()
+                switch_off_and_on(world.body)
             world.wait(float(rng.uniform(0.05, 3.0)))
     track = world.truths[""].track()
     return Campaign(killed, *end, stands(track, config), world.truths[""].track_clearance(track))

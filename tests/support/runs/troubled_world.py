@@ -1,6 +1,7 @@
-"""A world in virtual time whose cameras have the faults of real ones.
+"""A world in virtual time whose robots and cameras have the faults of real ones.
 
-A test switches `CameraTroubles` during a run; only pictures and their stamps change. Seconds.
+A test switches `RobotTroubles` and `CameraTroubles` during a run; of the latter only pictures and
+their stamps change. Seconds.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.several.each_camera import each_camera
 from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.troubled_robot import TroubledLink, TroubledRobot
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 NOISE_GREY = 2.0
@@ -151,7 +153,9 @@ def with_clock(image: Image, time_s: float) -> Image:
 
 
 class TroubledWorld(VirtualWorld):
-    """The world, with troubles of the camera, or of each of several by name, in ``cameras``."""
+    """The world, with troubles of each robot, and of each camera by name in ``cameras``."""
+
+    bodies: dict[str, TroubledRobot]  # type: ignore[assignment]
 
     def __init__(self, config: Config, *given: Any, **named: Any) -> None:
         super().__init__(config, *given, **named)
@@ -161,6 +165,14 @@ class TroubledWorld(VirtualWorld):
             name: SeenPictures(np.random.default_rng(config.simulation.seed + i))
             for i, name in enumerate(each_camera(config) or [None])
         }
+
+    def make_body(self, config: Config) -> TroubledRobot:
+        """Make one robot with troubles."""
+        return TroubledRobot.of(config)
+
+    def make_link(self, name: str) -> TroubledLink:
+        """Make the link to one robot."""
+        return TroubledLink(self.bodies[name])
 
     def open_camera(self, name: str | None = None) -> Camera:
         """Make a camera over the arena as it is now, unless it is unplugged."""

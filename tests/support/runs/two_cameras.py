@@ -67,7 +67,7 @@ class Stage:
         )
 
     def where(self) -> tuple[float, float]:
-        pose = self.world.body.robot.pose()
+        pose = self.world.body.pose()
         return pose.x_m, pose.y_m
 
     def clearance_m(self) -> float:

@@ -26,8 +26,7 @@ def host_killed(seed: int) -> str:
         if kill == 0:
             witness.begin()
             loop.run((seed % 7) * 0.05)
-            boot_id = loop.robot.identity.boot_id
-        loop.host = HostConnection(random.Random(100 * seed + kill), loop.baud, boot_id)
+        loop.host = HostConnection(random.Random(100 * seed + kill), loop.baud)
         loop.host.open(loop.now_s)
         loop.host.upload(witness.mission, loop.now_s, start=False)
         witness.connect()

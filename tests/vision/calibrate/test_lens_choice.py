@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from tests.vision.calibrate.test_lens import views as brown_views
-from tests.vision.calibration.cameras import pose_of
+from tests.vision.calibration.cameras import distorted
 from vision.calibrate.board import BoardView
 from vision.calibrate.lens import estimate_lens
 from vision.calibrate.lens_choice import choose_lens
 from vision.calibrate.suspects import mirrored, upside_down
-from vision.calibration.calibration import Calibration, CalibrationError
+from vision.calibration.calibration import CalibrationError
+from vision.calibration.lens_model import lens_arrays
 
 SIZE = (1280, 960)
 WIDE = np.array([[330.0, 0.0, 645.0], [0.0, 331.0, 476.0], [0.0, 0.0, 1.0]])
@@ -64,10 +65,10 @@ def test_a_fisheye_is_chosen_and_found_again_up_to_80_degrees() -> None:
     angle = np.radians(np.linspace(0.0, 80.0, 33))[:, None]
     turn = np.linspace(0.0, math.tau, 12, endpoint=False)
     rays = np.stack([np.tan(angle) * np.cos(turn), np.tan(angle) * np.sin(turn)], axis=-1)
-    above = pose_of((0.0, 0.0, 0.0), (0.0, 0.0, 2.0))
     seen = [
-        Calibration.from_camera(SIZE, matrix, terms, above, "fisheye").distort_points(
-            rays.reshape(-1, 2) * matrix[[0, 1], [0, 1]] + matrix[:2, 2]
+        distorted(
+            rays.reshape(-1, 2) * matrix[[0, 1], [0, 1]] + matrix[:2, 2],
+            lens_arrays("fisheye", matrix, terms),
         )
         for matrix, terms in ((WIDE, FOUR), (lens.camera_matrix, lens.distortion))
     ]

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_kernels import image_from_plane, plane_from_image
+from vision.calibration.lens_model import LensArrays
 
 SIZE = (640, 480)
 CAMERA = np.array([[620.0, 0.0, 325.0], [0.0, 622.0, 236.0], [0.0, 0.0, 1.0]])
@@ -25,3 +27,13 @@ def overhead(lens: NDArray = LENS) -> Calibration:
 
 def pixels(n: int = 200, seed: int = 0) -> NDArray:
     return np.random.default_rng(seed).uniform((0, 0), SIZE, (n, 2))
+
+
+def distorted(ideal: NDArray, lens: LensArrays) -> NDArray:
+    """Raw pixels (n, 2) of undistorted ones, by the kernel of calibrations."""
+    return np.asarray(image_from_plane(ideal, np.eye(3), 1.0, lens))
+
+
+def undistorted(raw: NDArray, lens: LensArrays) -> NDArray:
+    """Undistorted pixels (n, 2) of raw ones, by the kernel of calibrations."""
+    return np.asarray(plane_from_image(raw, np.eye(3), 1.0, lens))

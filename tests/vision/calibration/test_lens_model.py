@@ -14,11 +14,18 @@ from numpy.typing import NDArray
 
 import vision
 from planner.scene import Bounds, PolygonRecord
-from tests.vision.calibration.cameras import CAMERA, LENS, SIZE, overhead, pose_of
+from tests.vision.calibration.cameras import (
+    CAMERA,
+    LENS,
+    SIZE,
+    distorted,
+    overhead,
+    pose_of,
+    undistorted,
+)
 from vision.calibration.blind import blind_pixels, blind_plan
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.calibration.calibration_file import calibration_text, parse_calibration
-from vision.calibration.calibration_kernels import distort_all, undistort_all
 from vision.calibration.lens_model import LEAST_STRETCH, lens_arrays
 from vision.watch.refit import KnownScene
 
@@ -51,7 +58,7 @@ def test_a_fisheye_s_pixels_are_opencv_s_up_to_180_degrees(terms: tuple[float, .
     points = disc(lens.reach)
     space = np.column_stack([points, np.ones(len(points))]).reshape(-1, 1, 3)
     seen, _ = cv2.fisheye.projectPoints(space, np.zeros(3), np.zeros(3), np.eye(3), np.array(terms))
-    assert np.abs(distort_all(points, lens) - seen.reshape(-1, 2)).max() < 1e-12
+    assert np.abs(distorted(points, lens) - seen.reshape(-1, 2)).max() < 1e-12
 
 
 @settings(max_examples=60, deadline=None)
@@ -59,7 +66,7 @@ def test_a_fisheye_s_pixels_are_opencv_s_up_to_180_degrees(terms: tuple[float, .
 def test_a_fisheye_is_undone_within_all_of_its_reach(terms: tuple[float, ...]) -> None:
     lens = lens_arrays("fisheye", np.eye(3), terms)
     points = disc(0.999999 * lens.reach)
-    back = undistort_all(distort_all(points, lens), lens)
+    back = undistorted(distorted(points, lens), lens)
     angles = [np.arctan(np.hypot(*p.T)) for p in (points, back)]
     assert np.abs(angles[1] - angles[0]).max() < 1e-9
 
@@ -71,7 +78,7 @@ def test_brown_s_model_is_undone_within_all_of_its_reach(
 ) -> None:
     lens = lens_arrays("brown", np.eye(3), [k1, k2, p, -p, k3])
     points = disc(0.999 * min(lens.reach, 2.0))
-    back = undistort_all(distort_all(points, lens), lens)
+    back = undistorted(distorted(points, lens), lens)
     assert np.abs(back - points).max() < 1e-6
 
 
@@ -108,10 +115,10 @@ def test_places_beyond_the_reach_have_no_pixel_and_no_ghost() -> None:
 def test_a_folded_lens_s_reach_ends_before_the_fold(model: str, terms: tuple[float, ...]) -> None:
     lens = lens_arrays(model, np.eye(3), terms)
     radii = lens.reach * np.linspace(0.0, 1.0, 2000)
-    seen = distort_all(np.column_stack([radii, np.zeros(2000)]), lens)[:, 0]
+    seen = distorted(np.column_stack([radii, np.zeros(2000)]), lens)[:, 0]
     by = np.arctan(radii) if model == "fisheye" else radii
     assert (np.diff(seen) / np.diff(by)).min() >= 0.99 * LEAST_STRETCH
-    assert np.isnan(distort_all(np.array([[1.01 * lens.reach, 0.0]]), lens)).all()
+    assert np.isnan(distorted(np.array([[1.01 * lens.reach, 0.0]]), lens)).all()
 
 
 # Files.

@@ -108,29 +108,6 @@ def set_controls(node: Node, wanted: CameraControls) -> list[str]:
     return _Setting(node).all(wanted)
 
 
-def readings(controls: list[CameraControl]) -> CameraControls:
-    """Present settings, in the configuration's words; absent ones are ``auto``."""
-    by_id = {one.id: one for one in controls}
-
-    def number(value: int, switch: int, hand: tuple[int, ...], scale: float = 1.0) -> Auto:
-        has = by_id.get(value)
-        state = by_id[switch].value if switch in by_id else hand[0]
-        return (
-            "auto"
-            if has is None or has.value is None or state not in hand
-            else (round(has.value * scale, 4))
-        )
-
-    mains = by_id.get(MAINS)
-    return CameraControls(
-        number(EXPOSURE, AUTO_EXPOSURE, _BY_HAND, EXPOSURE_UNIT_MS),
-        number(GAIN, AUTO_GAIN, (0,)),
-        number(FOCUS, AUTO_FOCUS, (0,)),
-        number(WHITE_BALANCE, AUTO_WHITE_BALANCE, (0,)),
-        60 if mains is not None and mains.value == _MAINS_MENU[60] else 50,
-    )
-
-
 class _Setting:
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 
 import vision
-from navigation.loop.seeing.eye import EyeSettings, Glimpse, Poses, doubles_of, extract_settings
+from navigation.loop.seeing.eye import EyeSettings, Glimpse, Poses, doubles_of
 from planner.scene import FloatArray
 from vision.camera.camera import Frame, Image
 from vision.joined.floor_plan import CameraPart, FloorPlan, Rectangle
@@ -250,7 +250,7 @@ class JoinedEye:
                 return known
         scene = vision.extract(
             background,
-            **extract_settings(self.settings),
+            **dict(self.settings.vision),
             calibration=self.plan.calibration,
             bounds=self.settings.bounds_m,
         )
@@ -290,12 +290,7 @@ class JoinedEye:
                 continue
             fresh.add(index)
             view.edges = edge_points_m(
-                view.background,
-                self.plan,
-                index,
-                polarity=self.settings.polarity,
-                method=self.settings.method,
-                threshold=self.settings.threshold,
+                view.background, self.plan, index, **dict(self.settings.vision)
             )
         for one, other in combinations(range(len(self._views)), 2):
             a, b = self._views[one].edges, self._views[other].edges

@@ -97,7 +97,7 @@ def test_every_key_is_told_with_what_it_is_and_secrets_are_not(office: Office) -
 @pytest.mark.parametrize(
     "key",
     [
-        "dashboard.token", "dashboard.host", "safety.lease_s", "simulation.robot.emulator",
+        "dashboard.token", "dashboard.host", "safety.lease_s", "simulation.robot.faults",
         "recording.runs_dir", "camera.calibration", "mission.stations", "nothing.at_all",
     ],
 )  # fmt: skip

@@ -124,10 +124,10 @@ def test_the_only_obstacle_vanishes_while_the_robot_drives() -> None:
         assert "where 1 obstacle was seen before: look, then resume accepts it" in held.sentence
         assert any("no obstacle was found" in trouble for trouble in held.troubles)
         cycle_until(daemon, lambda now: not now.link.moving)
-        here = world.body.robot.pose()[:2]
+        here = world.body.pose()[:2]
         until_s = world.clock() + 2.0
         stood = cycle_until(daemon, lambda _: world.clock() > until_s)
         assert stood.mission.state is State.HOLDING
-        assert math.dist(here, world.body.robot.pose()[:2]) < 0.001
+        assert math.dist(here, world.body.pose()[:2]) < 0.001
         daemon.people.resume()
         cycle_until(daemon, lambda now: now.mission.state is State.DONE)

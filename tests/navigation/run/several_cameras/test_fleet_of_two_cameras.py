@@ -63,7 +63,7 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> Non
     troubles: set[str] = set()
 
     def meet(world: TroubledWorld, since_s: float) -> None:
-        places = [body.robot.pose()[:2] for body in world.bodies.values()]
+        places = [body.pose()[:2] for body in world.bodies.values()]
         if not lost_s and since_s > 3.0 and places[0][0] > 2.02:  # ada, where only one camera sees
             lost_s.append(since_s)
         away_s = since_s - lost_s[0] if lost_s else 0.0

@@ -17,10 +17,10 @@ import pytest
 from navigation.config import Config, ConfigError, parse_config
 from navigation.config.sections import RobotEntry, RobotSection
 from navigation.run import runner
-from navigation.run.troubled_robot import RobotTroubles
 from navigation.simulator.virtual_loop import VirtualLoop
 from tests.navigation.config.test_several_robots import FLEET
 from tests.support.runs.boundaries import camera_lost, one_robot, several_robots
+from tests.support.runs.troubled_robot import RobotTroubles
 from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import short_config
 from tests.support.runs.whole_run import WholeRun, run_whole

@@ -73,7 +73,7 @@ def carry(
     """Take the robot and put it elsewhere, once."""
 
     def take(world: TroubledWorld, is_broken: bool) -> None:
-        x, y, heading = world.body.robot.pose()
+        x, y, heading = world.body.pose()
         if is_broken:
             world.body.troubles.carried_to = (*to(x, y), heading)
 
@@ -114,7 +114,7 @@ def run(name: str, *, pictures: bool, bucket: bool) -> Told:
         last: list[tuple[float, float]] = []
 
         def note(now: RobotSnapshot) -> None:
-            x, y, _ = world.body.robot.pose()
+            x, y, _ = world.body.pose()
             if last:
                 told.driven_m += math.dist(last.pop(), (x, y))
             last.append((x, y))
@@ -128,7 +128,7 @@ def run(name: str, *, pictures: bool, bucket: bool) -> Told:
         cycle_until(daemon, is_driving)
         for _ in range(20):
             daemon.cycle()
-        told.broken_at = world.body.robot.pose()[:2]
+        told.broken_at = world.body.pose()[:2]
         fault(world, True)
         broken_s = world.clock()
         cycle_until(daemon, lambda _: world.clock() > broken_s + BROKEN_S, 3.0, note)

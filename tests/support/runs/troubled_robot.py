@@ -1,28 +1,17 @@
-"""A simulated robot in virtual time and its faults. Metres, radians, virtual seconds."""
+"""A robot in virtual time whose faults a test switches during a run. Metres, radians."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Final, TypeAlias
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from firmware_protocol.wire.messages import ResetCause
-from navigation.config import Config
+from firmware_protocol.wire.messages import ResetCause, StopReason
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.run.virtual_body import NOWHERE, Place, VirtualBody
+from navigation.run.virtual_link import VirtualLink
 from navigation.simulator.drive_model import TruePose
-from navigation.simulator.line_faults import FaultSpec
-from navigation.simulator.settings import (
-    drive_model_of,
-    drive_settings_of,
-    faults_of,
-    true_start_of,
-)
 from navigation.simulator.virtual_loop import VirtualLoop
-from navigation.simulator.virtual_robot import VirtualRobot
-
-Place: TypeAlias = tuple[float, float, float]
-NOWHERE: Final[Place] = (-9.0, -9.0, 0.0)
-"""Far outside the picture."""
 
 
 @dataclass(slots=True)
@@ -79,46 +68,14 @@ class RobotTroubles:
 
 
 @dataclass(slots=True)
-class ProcessorFaults:
-    """Configured faults of a robot's processor: it hangs, and it restarts."""
+class TroubledRobot(VirtualBody):
+    """One simulated robot with its troubles."""
 
-    faults: FaultSpec
-
-    def meet(self, loop: VirtualLoop, since_s: float) -> None:
-        """Apply the faults due ``since_s`` after the beginning."""
-        loop.knobs.frozen = 0.0 <= since_s - self.faults.freeze_at_s < self.faults.freeze_s
-        if since_s >= self.faults.reset_at_s:
-            self.faults = replace(self.faults, reset_at_s=math.inf)
-            loop.boot(ResetCause.EXTERNAL)
-
-
-@dataclass(slots=True)
-class TroubledRobot:
-    """One simulated robot with its line and its faults."""
-
-    config: Config
-    loop: VirtualLoop
-    robot: VirtualRobot
-    processor: ProcessorFaults
     troubles: RobotTroubles = field(default_factory=RobotTroubles)
     frozen: bool = False
     """Its processor does nothing, and its wheels keep turning."""
     off: bool = False
     """It has no power."""
-
-    @classmethod
-    def of(cls, config: Config) -> TroubledRobot:
-        """Make the configured robot and its line; camera and lease are the program's."""
-        assert config.simulation is not None
-        loop = VirtualLoop(
-            seed=config.simulation.seed,
-            faults=faults_of(config),
-            model=drive_model_of(config),
-            settings=drive_settings_of(config),
-            start=true_start_of(config),
-            baud=config.serial.baud,
-        )
-        return cls(config, loop, VirtualRobot(loop), ProcessorFaults(faults_of(config)))
 
     def tick(self, since_s: float) -> None:
         """Simulate one millisecond, ``since_s`` after the beginning."""
@@ -132,8 +89,33 @@ class TroubledRobot:
 
     def seen(self, _now_s: float) -> Place:
         """Place at which pictures of the present moment show it."""
-        return self.troubles.seen_at(self.robot.pose())
+        return self.troubles.seen_at(self.pose())
 
     def double(self, _now_s: float) -> Place:
         """Place of the second marker with its id; `NOWHERE` without one."""
         return self.troubles.double_at or NOWHERE
+
+
+class TroubledLink(VirtualLink):
+    """The link to it, whose port may break."""
+
+    def __init__(self, body: TroubledRobot) -> None:
+        super().__init__(body.loop)
+        self._troubles = body.troubles
+
+    def snapshot(self) -> LinkSnapshot:
+        """Present state."""
+        snapshot = super().snapshot()
+        if self._troubles.port_broken:
+            return replace(snapshot, down_reason="the port virtual broke")
+        return snapshot
+
+
+def press_estop(body: VirtualBody) -> None:
+    """Press the emergency stop on the robot itself."""
+    body.loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
+
+
+def switch_off_and_on(body: VirtualBody) -> None:
+    """Cycle the power: nothing from earlier is left in its processor."""
+    body.loop.boot(ResetCause.POWER_ON)

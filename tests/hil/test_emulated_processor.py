@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from navigation.simulator.emulated_processor import CLOCK_HZ, EmulatedProcessor
+from tests.support.robots.emulated_processor import CLOCK_HZ, EmulatedProcessor
 
 ACTED = """
 import struct, sys

@@ -2,7 +2,7 @@
 
 Bytes go to the emulated UART at its true baud rate; the motor outputs drive the wheels, whose
 travel turns the emulated encoders. The robot's settings are compiled in. While the robot is frozen
-its clock and watchdog stop, and the motors keep their last order.
+its clock and watchdog stop, and the motors keep their last order. Whoever made it closes it.
 """
 
 from __future__ import annotations
@@ -13,8 +13,13 @@ from pathlib import Path
 
 from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.simulator.drive_model import DriveModel
-from navigation.simulator.emulated_processor import TICK_M, EmulatedProcessor, Motors
 from navigation.simulator.twins.twin import STEP_S, Body, Twin
+from tests.support.robots.emulated_processor import (
+    TICK_M,
+    EmulatedProcessor,
+    EmulatorError,
+    Motors,
+)
 
 
 class EmulatedTwin(Twin):
@@ -33,7 +38,7 @@ class EmulatedTwin(Twin):
         self._waiting = b""
         self._said = b""
         self._ticks: tuple[int, int] | None = None
-        self._was_found = self._is_reset = False
+        self._was_found = self._is_reset = self._is_closed = False
         self._processor = EmulatedProcessor(command)
 
     def boot(self, now_s: float) -> None:
@@ -48,13 +53,18 @@ class EmulatedTwin(Twin):
         self._waiting += data
 
     def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
-        """Run the processor for STEP_S while its wheels travel as before."""
+        """Run the processor for STEP_S while its wheels travel as before; at rest once closed."""
         before = self._ticks or (left_ticks, right_ticks)
         self._ticks = left_ticks, right_ticks
         travel_m = ((left_ticks - before[0]) * TICK_M, (right_ticks - before[1]) * TICK_M)
         waiting, self._waiting = self._waiting, b""
         is_reset, self._is_reset = self._is_reset, False
-        self.motors, said = self._processor.run(STEP_S, waiting, travel_m, is_reset)
+        try:
+            self.motors, said = self._processor.run(STEP_S, waiting, travel_m, is_reset)
+        except EmulatorError:
+            if not self._is_closed:
+                raise
+            return WheelSpeeds(0.0, 0.0, powered=False)
         self._said += said
         return WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
 
@@ -64,5 +74,6 @@ class EmulatedTwin(Twin):
         return said
 
     def close(self) -> None:
-        """End the emulator; a step that waits for it fails."""
+        """End the emulator, even during a step."""
+        self._is_closed = True
         self._processor.close()
