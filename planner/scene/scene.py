@@ -58,6 +58,10 @@ class Bounds:
     x_max: float
     y_max: float
 
+    def __str__(self) -> str:
+        """Write the ranges, as messages name them."""
+        return f"x {self.x_min:g}..{self.x_max:g}, y {self.y_min:g}..{self.y_max:g}"
+
     @property
     def width(self) -> float:
         """Extent along x."""

@@ -232,17 +232,20 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     from navigation.simulator.arena import load_arena
     from navigation.simulator.happenings import object_of
     from navigation.simulator.line_faults import FaultSpec, FaultSpecError
-    from planner.scene import SceneError
+    from planner.scene import Bounds, SceneError
 
     assert config.simulation is not None
     if config.simulation.arena is None and config.simulation.arena_text is None:
         return
+    bounds = Bounds(*config.arena.bounds_m)
     try:
         FaultSpec.parse(config.simulation.robot.faults)
     except FaultSpecError as error:
         yield ("simulation", "robot", "faults"), str(error)
     yield from _wheels_start(config)
     place = "arena" if config.simulation.arena is not None else "arena_text"
+    if bounds.width <= 0.0 or bounds.height <= 0.0:
+        return  # reported by itself
     try:
         arena = load_arena(config)
     except OSError as error:
@@ -259,7 +262,8 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     need = config.robot.radius_m + config.planning.margin_m
     for index, station in enumerate(config.mission.stations):
         clearance = float(arena.clearances([[station.x_m, station.y_m]])[0])
-        if clearance < need:
+        # a station outside the arena is reported by itself
+        if clearance < need and bounds.contains((station.x_m, station.y_m)):
             yield (
                 ("mission", "stations", index),
                 f"has a clearance of {clearance:.3f} m: must be >= {need:g}, "
@@ -344,6 +348,8 @@ def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Loc
     robots = each_robot(config)
     for where, name, place in named_places(config.mission, config.simulation):
         clearance = float(arena.clearances([[place.x_m, place.y_m]])[0])
+        if not arena.scene.bounds.contains((place.x_m, place.y_m)):
+            continue
         if name in robots and clearance < robots[name].robot.radius_m:
             need = robots[name].robot.radius_m
             yield where, f"has a clearance of {clearance:.3f} m: must be >= {need:g} for {name}"

@@ -96,6 +96,24 @@ def test_a_wrong_configuration_is_refused_at_its_place(
 
 
 @pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (("x_m: 0.72", "x_m: 72"), "mission.stations[0].x_m: must be in 0.09..2.31"),
+        (("bounds_m: [0.0, 0.0, 2.4, 1.8]", "bounds_m: [2.4, 0.0, 0.0, 1.8]"), "arena.bounds_m: "),
+    ],
+)
+def test_one_mistake_is_one_error(
+    tmp_path: Path, text: str, change: tuple[str, str], where: str
+) -> None:
+    file = tmp_path / "wrong.yaml"
+    file.write_text(replaced(text, change))
+    told = call("check", file)
+    assert told.code == 78
+    assert where in told.err
+    assert " errors" not in told.err
+
+
+@pytest.mark.parametrize(
     ("change", "key", "words"),
     [
         (("laboratory.txt", "gone.txt"), "simulation.arena", "No such file"),
