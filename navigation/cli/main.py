@@ -295,6 +295,7 @@ def _sentence(error: Exception) -> str:
         case click.UsageError():
             path = error.ctx.command_path if error.ctx else "clearway"
             message = error.format_message().rstrip(".")
+            message = message.replace("not a valid integer range", "not a whole number")
             return f"{message} (see '{path} --help')"
         case click.ClickException():
             return error.format_message()

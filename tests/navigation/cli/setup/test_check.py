@@ -117,6 +117,13 @@ def test_comments_of_keys_that_are_commented_out_are_indented_as_their_keys(
     assert seen >= 1
 
 
+def test_init_names_the_folder_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["init", str(tmp_path / "gone" / "arena.yaml")]) == 2
+    assert f"there is no directory {tmp_path / 'gone'}" in capsys.readouterr().err
+
+
 def test_init_overwrites_only_when_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = _init(tmp_path)
     file.write_text("mine")
