@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 FILES: Final = (("camera", "calibration"), ("simulation", "arena"))
 COARSE_M: Final = 0.01
 """Pixels of a floor plan that only says what several cameras see."""
+LEAST_MARKER_PX: Final = 6
+"""One for each cell of the coarsest markers, 4 x 4 and their border."""
 
 
 @click.command(short_help="Check a configuration; report every error.")
@@ -154,7 +156,7 @@ def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Locatio
         return None, [(where, str(error))]
     if calibration is None:
         return None, []
-    found = list(_markers_are_below(config, calibration))
+    found = list(_markers_are_seen(config, calibration))
     if calibration.size != camera.size_px:
         (width, height), (w, h) = calibration.size, camera.size_px
         told = f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
@@ -196,18 +198,28 @@ def _cameras_see_the_arena(
                 )
 
 
-def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+def _markers_are_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+    """Check that each marker is below the camera, and large enough in the arena's middle."""
     from vision.calibration.calibration import CalibrationError
 
-    marked: list[tuple[Location, float]] = [(("robot",), config.robot.marker_height_m)]
-    marked += [
-        (("other_robots", i), one.marker_height_m) for i, one in enumerate(config.other_robots)
-    ]
-    for where, height_m in marked:
+    x0, y0, x1, y1 = config.arena.bounds_m
+    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
+    marked: list[tuple[Location, Any]] = [(("robot",), config.robot)]
+    marked += [(("other_robots", i), one) for i, one in enumerate(config.other_robots)]
+    for where, one in marked:
+        height_m, size_m = one.marker_height_m, one.marker_size_m
+        if height_m > 0.0 and config.camera.metres_per_pixel is not None:
+            told = "must be 0 with metres_per_pixel, which does not say where the camera is"
+            yield (*where, "marker_height_m"), f"{told}; a calibration does"
+            continue
         try:
-            calibration.image_from_arena([config.arena.bounds_m[:2]], height_m)
+            side = calibration.image_from_arena([(x, y), (x + size_m, y)], height_m)
         except CalibrationError as error:
             yield (*where, "marker_height_m"), str(error).removeprefix(f"height_m = {height_m}: ")
+            continue
+        if (seen_px := math.dist(*side)) < LEAST_MARKER_PX:
+            told = f"{size_m:g} m are {seen_px:.1f} px in the picture: must be >= {LEAST_MARKER_PX}"
+            yield (*where, "marker_size_m"), f"{told} px, one for each cell"
 
 
 def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
