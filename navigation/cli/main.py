@@ -66,7 +66,7 @@ COMMANDS: dict[str, ListedCommand] = {
     "extract": ListedCommand(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": ListedCommand(".pictures.plan:command", "One plan through a picture, scene or map."),
     "fleet": ListedCommand(
-        ".pictures.fleet:command", "Ways for several robots, none of which touch."
+        ".pictures.fleet:command", "Paths for several robots, none of which touch."
     ),
     "roadmap": ListedCommand(".pictures.roadmap:command", "The AGVD roadmap as a file."),
     "audit": ListedCommand(".pictures.audit:command", "What is wrong with a route graph."),
