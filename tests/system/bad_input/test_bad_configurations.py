@@ -136,6 +136,15 @@ def test_check_finds_what_only_the_named_files_can_show(
     assert words in told.err
 
 
+def test_a_run_that_can_make_no_folder_names_the_key(tmp_path: Path, text: str) -> None:
+    (tmp_path / "taken").write_text("a file")
+    file = tmp_path / "wrong.yaml"
+    file.write_text(replaced(text, ("runs_dir: runs ", f"runs_dir: {tmp_path / 'taken'} ")))
+    told = call("run", file, "--once", "--no-dashboard")
+    assert told.code == 2
+    assert f"recording.runs_dir = {tmp_path / 'taken'}: Not a directory" in told.err
+
+
 def test_a_run_without_its_arena_is_refused_before_anything_begins(
     tmp_path: Path, text: str
 ) -> None:
