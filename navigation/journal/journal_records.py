@@ -221,4 +221,4 @@ def _are_inside(stations: Iterable[Station], owner: Owner) -> None:
         if not bounds.contains((one.x, one.y)):
             place = f"({one.x:g}, {one.y:g}) m"
             where = f"mission.stations[{number}]"
-            raise RecordError(f"{where}: {place} lies outside the arena, {bounds}")
+            raise RecordError(f"{where}: {place} lies outside the arena, {bounds.ranges}")

@@ -48,7 +48,7 @@ class PilotSettings:
             if not self.bounds_m.contains((station.x, station.y)):
                 raise MissionError(
                     f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena, "
-                    f"{self.bounds_m}"
+                    f"{self.bounds_m.ranges}"
                 )
 
 

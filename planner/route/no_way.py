@@ -143,7 +143,7 @@ def why_not(
     subject = f"{place.name} {_at(place.at)}"
     bounds = Bounds(*borders.box)
     if not bounds.contains(place.at):
-        return f"{subject} lies outside the bounds, {bounds}"
+        return f"{subject} lies outside the bounds, {bounds.ranges}"
     if place.is_solid:
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside) and unknown is not None and unknown.holds(x, y):

@@ -58,8 +58,9 @@ class Bounds:
     x_max: float
     y_max: float
 
-    def __str__(self) -> str:
-        """Write the ranges, as messages name them."""
+    @property
+    def ranges(self) -> str:
+        """Text for messages: ``x 0..4, y 0..3``."""
         return f"x {self.x_min:g}..{self.x_max:g}, y {self.y_min:g}..{self.y_max:g}"
 
     @property

@@ -83,4 +83,4 @@ def outside_arena(zone: ZoneSection, bounds_m: Sequence[float]) -> str | None:
         low, high = places.min(axis=0), places.max(axis=0)
         if low[0] < x1 and low[1] < y1 and high[0] > x0 and high[1] > y0:
             return None
-    return f"lies outside the arena: must reach into {Bounds(*bounds_m)}"
+    return f"lies outside the arena: must reach into {Bounds(*bounds_m).ranges}"
