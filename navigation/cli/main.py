@@ -66,7 +66,7 @@ COMMANDS: dict[str, ListedCommand] = {
     "extract": ListedCommand(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": ListedCommand(".pictures.plan:command", "One plan through a picture, scene or map."),
     "fleet": ListedCommand(
-        ".pictures.fleet:command", "Ways for several robots, none of which touch."
+        ".pictures.fleet:command", "Paths for several robots, none of which touch."
     ),
     "roadmap": ListedCommand(".pictures.roadmap:command", "The AGVD roadmap as a file."),
     "audit": ListedCommand(".pictures.audit:command", "What is wrong with a route graph."),
@@ -295,6 +295,7 @@ def _sentence(error: Exception) -> str:
         case click.UsageError():
             path = error.ctx.command_path if error.ctx else "clearway"
             message = error.format_message().rstrip(".")
+            message = message.replace("not a valid integer range", "not a whole number")
             return f"{message} (see '{path} --help')"
         case click.ClickException():
             return error.format_message()

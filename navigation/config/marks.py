@@ -153,16 +153,26 @@ def read_document(text: str) -> Document:
     except TooMuchError as error:
         document.defects.append(Defect(error.mark, str(error)))
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        parts = (error.context, error.problem)
-        message = "not YAML: " + ", ".join(part for part in parts if part)
-        document.defects.append(Defect(_mark(mark) if mark else Mark(1, 1), message))
+        mark, message = _fault(error)
+        document.defects.append(Defect(_mark(mark) if mark else Mark(1, 1), "not YAML: " + message))
     except yaml.reader.ReaderError as error:
         place = text[: error.position]
         mark_here = Mark(place.count("\n") + 1, len(place) - place.rfind("\n"))
         message = f"not YAML: the character {chr(error.character)!r} is not allowed"
         document.defects.append(Defect(mark_here, message))
     return document
+
+
+def _fault(error: yaml.MarkedYAMLError) -> tuple[yaml.Mark | None, str]:
+    """Place of an error and its sentence; our own for the two that people make most."""
+    problem = error.problem or ""
+    if problem.startswith(r"found character '\t'"):
+        return error.problem_mark, "a tab: must be spaces"
+    if problem == "could not find expected ':'" and error.context == "while scanning a simple key":
+        # PyYAML notices it a line further on
+        return error.context_mark, "must be `key: value`, with a space behind the colon"
+    parts = (error.context, error.problem)
+    return error.problem_mark or error.context_mark, ", ".join(part for part in parts if part)
 
 
 def _mark(start: yaml.Mark, end: yaml.Mark | None = None) -> Mark:

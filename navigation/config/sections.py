@@ -77,7 +77,8 @@ class CameraSection(Section):
     )
     metres_per_pixel: Fine | None = Field(
         default=None,
-        description="instead of a calibration: a camera looking straight down, no distortion",
+        description="instead of a calibration: a camera looking straight down, no distortion, "
+        "and markers on the floor (marker_height_m: 0)",
     )
     loop: StrictBool = Field(default=False, description="start a video file again at its end")
     format: Literal["auto", "mjpg", "yuyv", "grey"] = Field(

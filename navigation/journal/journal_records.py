@@ -220,4 +220,5 @@ def _are_inside(stations: Iterable[Station], owner: Owner) -> None:
     for number, one in enumerate(stations):
         if not bounds.contains((one.x, one.y)):
             place = f"({one.x:g}, {one.y:g}) m"
-            raise RecordError(f"mission.stations[{number}]: {place} lies outside the arena")
+            where = f"mission.stations[{number}]"
+            raise RecordError(f"{where}: {place} lies outside the arena, {bounds.ranges}")

@@ -85,6 +85,7 @@ class People:
         one = self._one(robot)
         if self._daemon.lent is not None:
             raise MissionError(self._daemon.lent)
+        one.pilot.settings.check_stations(stations)
         limits = one.pilot.settings.limits
         rules = self._daemon.traffic.planner.rules(one.name)
         for number, station in enumerate(stations, 1):

@@ -47,7 +47,8 @@ class PilotSettings:
         for number, station in enumerate(stations, 1):
             if not self.bounds_m.contains((station.x, station.y)):
                 raise MissionError(
-                    f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
+                    f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena, "
+                    f"{self.bounds_m.ranges}"
                 )
 
 

@@ -286,7 +286,8 @@ class Runner:
             folder = make_run_folder(runs_dir, datetime.now())
         except OSError as error:
             if error.errno not in NO_ROOM:
-                raise
+                where = f"recording.runs_dir = {runs_dir}"
+                raise OSError(error.errno, error.strerror, where) from None
             self._say(f"trouble: {runs_dir}: {error.strerror}; the run keeps no report there")
             return None
         events = EventLog.to_file(folder / EVENTS_FILE, now=datetime.now)

@@ -22,7 +22,7 @@ COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 """Directions in which a circle reaches farthest."""
 
 
-def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, ...]:
+def remarks_on(borders: Borders, clipped: Clipped, radius: float, units: str) -> tuple[str, ...]:
     """Sentences on the scene's objects and on an empty roadmap."""
     out: list[str] = []
     if not len(borders.span):
@@ -30,7 +30,7 @@ def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, 
     out += _some(_relations(borders), "pairs of obstacles that meet or nest")
     out += _some(_strays(borders), "obstacles that leave the bounds")
     if not clipped.wide.any():
-        out.append(f"the roadmap is empty: no passage is {2.0 * radius:g} wide")
+        out.append(f"the roadmap is empty: no passage is {sized(2.0 * radius, units)} wide")
     return tuple(out)
 
 

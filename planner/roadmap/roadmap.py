@@ -123,9 +123,9 @@ class Roadmap:
         if "remarks" not in self._made:
             from planner.roadmap.remarks import remark_on_branches, remarks_on
 
-            remarks = remarks_on(self.borders, self.clipped, self.radius)
+            units = str(getattr(self.scene, "units", ""))
+            remarks = remarks_on(self.borders, self.clipped, self.radius, units)
             if self.least_branch > 0.0:
-                units = str(getattr(self.scene, "units", ""))
                 remarks += (remark_on_branches(self._shortened[1], self.least_branch, units),)
             self._made["remarks"] = remarks
         return self._made["remarks"]  # type: ignore[no-any-return]

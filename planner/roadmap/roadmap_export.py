@@ -150,7 +150,10 @@ def straight_graph(
         ids.append(number[v])
         pieces += zip(ids[:-1], ids[1:], np.stack([kept[:-1], kept[1:]], axis=1), strict=True)
     if not pieces:
-        raise ExchangeError("the roadmap has no edges: Nav2's route server loads no empty graph")
+        raise ExchangeError(
+            f"the roadmap of radius {roadmap.radius:g} has no edges: Nav2's route server loads no "
+            "empty graph"
+        )
     edges: list[RouteEdge] = []
     for start, end, ends in pieces:
         clearance = float(roadmap.path_clearance(ends).distance)

@@ -19,7 +19,7 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import Bottleneck, NoPath
 from planner.route.taut import certain
-from planner.scene import UnknownCells, Vec
+from planner.scene import Bounds, UnknownCells, Vec
 from planner.search.chain_search import (
     CLEARANCE_ROUNDING,
     Network,
@@ -141,9 +141,9 @@ def why_not(
     """
     (x, y), distance = place.at, place.distance
     subject = f"{place.name} {_at(place.at)}"
-    box = borders.box
-    if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
-        return f"{subject} lies outside the bounds"
+    bounds = Bounds(*borders.box)
+    if not bounds.contains(place.at):
+        return f"{subject} lies outside the bounds, {bounds.ranges}"
     if place.is_solid:
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside) and unknown is not None and unknown.holds(x, y):

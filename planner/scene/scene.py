@@ -59,6 +59,11 @@ class Bounds:
     y_max: float
 
     @property
+    def ranges(self) -> str:
+        """Text for messages: ``x 0..4, y 0..3``."""
+        return f"x {self.x_min:g}..{self.x_max:g}, y {self.y_min:g}..{self.y_max:g}"
+
+    @property
     def width(self) -> float:
         """Extent along x."""
         return self.x_max - self.x_min

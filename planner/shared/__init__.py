@@ -5,5 +5,5 @@
 - ``processor`` chooses the processor that kernels are compiled for.
 - ``search_clock`` times searches without the time of compilation.
 - ``arguments`` checks what comes in from outside.
-- ``numbers`` wraps angles; ``figures`` writes numbers in sentences.
+- ``angles`` wraps angles; ``figures`` writes numbers in sentences.
 """

@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import re
 from pathlib import Path
 from types import ModuleType
 
@@ -75,3 +76,11 @@ def test_output_that_differs_is_an_error() -> None:
     compare("here", "a ... c\n", "a b c\n")
     with pytest.raises(AssertionError, match="here: the page states"):
         compare("here", "a\n", "b\n")
+
+
+def test_every_page_is_in_the_site_s_navigation() -> None:
+    docs = ROOT / "docs"
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
+    pages = {page.relative_to(docs).as_posix() for page in docs.rglob("*.md")}
+    made = {"files.md"}  # while the site is built
+    assert pages ^ set(re.findall(r"\S+\.md", navigation)) == made

@@ -31,6 +31,7 @@ ANYWHERE = [
     "sample rooms",
     "extract arena.png -o scene.txt",
     "roadmap rooms.yaml --radius 0.2 -o roadmap.geojson",
+    "audit roadmap.geojson --map rooms.yaml --radius 0.2",
     "plan arena.png --start 40,40 --goal 600,440 --radius 20 --render plan.svg",
     "fleet arena.png --robots robots.csv --render fleet.svg",
     "marker 7 -o marker.png",

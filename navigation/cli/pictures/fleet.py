@@ -37,7 +37,7 @@ NO_PLAN = 3
 """Exit code, the same as for no path."""
 
 
-@click.command(short_help="Ways for several robots at once, no two of which ever touch.")
+@click.command(short_help="Paths for several robots, none of which touch.")
 @click.argument("source", type=INPUT)
 @click.option(
     "--robots",

@@ -142,7 +142,7 @@ def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ..
     told = orientation(data)
     if told == 1:
         return image, remarks
-    return turned(image, told), (*remarks, f"turned as its EXIF orientation asks, {told}")
+    return turned(image, told), (*remarks, f"turned as its EXIF orientation, {told}, asks")
 
 
 def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:

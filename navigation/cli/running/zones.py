@@ -205,7 +205,9 @@ def _print(answer: dict[str, Any], form: str, lines: Iterable[str]) -> None:
     for line in lines:
         click.echo(line)
     if not answer["kept"]:
-        click.echo("until this program ends: no recording.journal, or its file of zones is damaged")
+        click.echo(
+            "this ends with the program: no recording.journal, or its file of zones is damaged"
+        )
     print_state(answer)
 
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 FILES: Final = (("camera", "calibration"), ("simulation", "arena"))
 COARSE_M: Final = 0.01
 """Pixels of a floor plan that only says what several cameras see."""
+LEAST_MARKER_PX: Final = 6
+"""One for each cell of the coarsest markers, 4 x 4 and their border."""
 
 
 @click.command(short_help="Check a configuration; report every error.")
@@ -154,7 +156,7 @@ def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Locatio
         return None, [(where, str(error))]
     if calibration is None:
         return None, []
-    found = list(_markers_are_below(config, calibration))
+    found = list(_markers_are_seen(config, calibration))
     if calibration.size != camera.size_px:
         (width, height), (w, h) = calibration.size, camera.size_px
         told = f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
@@ -196,18 +198,28 @@ def _cameras_see_the_arena(
                 )
 
 
-def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+def _markers_are_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+    """Check that each marker is below the camera, and large enough in the arena's middle."""
     from vision.calibration.calibration import CalibrationError
 
-    marked: list[tuple[Location, float]] = [(("robot",), config.robot.marker_height_m)]
-    marked += [
-        (("other_robots", i), one.marker_height_m) for i, one in enumerate(config.other_robots)
-    ]
-    for where, height_m in marked:
+    x0, y0, x1, y1 = config.arena.bounds_m
+    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
+    marked: list[tuple[Location, Any]] = [(("robot",), config.robot)]
+    marked += [(("other_robots", i), one) for i, one in enumerate(config.other_robots)]
+    for where, one in marked:
+        height_m, size_m = one.marker_height_m, one.marker_size_m
+        if height_m > 0.0 and config.camera.metres_per_pixel is not None:
+            told = "must be 0 with metres_per_pixel, which does not say where the camera is"
+            yield (*where, "marker_height_m"), f"{told}; a calibration does"
+            continue
         try:
-            calibration.image_from_arena([config.arena.bounds_m[:2]], height_m)
+            side = calibration.image_from_arena([(x, y), (x + size_m, y)], height_m)
         except CalibrationError as error:
             yield (*where, "marker_height_m"), str(error).removeprefix(f"height_m = {height_m}: ")
+            continue
+        if (seen_px := math.dist(*side)) < LEAST_MARKER_PX:
+            told = f"{size_m:g} m are {seen_px:.1f} px in the picture: must be >= {LEAST_MARKER_PX}"
+            yield (*where, "marker_size_m"), f"{told} px, one for each cell"
 
 
 def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
@@ -232,17 +244,20 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     from navigation.simulator.arena import load_arena
     from navigation.simulator.happenings import object_of
     from navigation.simulator.line_faults import FaultSpec, FaultSpecError
-    from planner.scene import SceneError
+    from planner.scene import Bounds, SceneError
 
     assert config.simulation is not None
     if config.simulation.arena is None and config.simulation.arena_text is None:
         return
+    bounds = Bounds(*config.arena.bounds_m)
     try:
         FaultSpec.parse(config.simulation.robot.faults)
     except FaultSpecError as error:
         yield ("simulation", "robot", "faults"), str(error)
     yield from _wheels_start(config)
     place = "arena" if config.simulation.arena is not None else "arena_text"
+    if bounds.width <= 0.0 or bounds.height <= 0.0:
+        return  # reported by itself
     try:
         arena = load_arena(config)
     except OSError as error:
@@ -259,7 +274,8 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     need = config.robot.radius_m + config.planning.margin_m
     for index, station in enumerate(config.mission.stations):
         clearance = float(arena.clearances([[station.x_m, station.y_m]])[0])
-        if clearance < need:
+        # a station outside the arena is reported by itself
+        if clearance < need and bounds.contains((station.x_m, station.y_m)):
             yield (
                 ("mission", "stations", index),
                 f"has a clearance of {clearance:.3f} m: must be >= {need:g}, "
@@ -344,6 +360,8 @@ def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Loc
     robots = each_robot(config)
     for where, name, place in named_places(config.mission, config.simulation):
         clearance = float(arena.clearances([[place.x_m, place.y_m]])[0])
+        if not arena.scene.bounds.contains((place.x_m, place.y_m)):
+            continue
         if name in robots and clearance < robots[name].robot.radius_m:
             need = robots[name].robot.radius_m
             yield where, f"has a clearance of {clearance:.3f} m: must be >= {need:g} for {name}"

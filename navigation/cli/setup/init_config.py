@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from navigation.cli.options import OutputType
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 
 DEMO_HEADING = """A configuration of Clearway, made by `clearway init`.
@@ -24,9 +25,7 @@ Measure your arena and robot, put their numbers here, then
 
 
 @click.command(short_help="Write a commented configuration.")
-@click.argument(
-    "file", type=click.Path(path_type=Path, dir_okay=False), default=Path("clearway.yaml")
-)
+@click.argument("file", metavar="[FILE]", type=OutputType(), default="clearway.yaml")
 @click.option("--real", is_flag=True, help="For a real camera and robot, not a simulated world.")
 @click.option(
     "--robot",

@@ -9,7 +9,7 @@ import numpy as np
 
 from navigation.config.marks import Location
 from navigation.config.zones.section import ZoneSection
-from planner.scene import extent_points
+from planner.scene import Bounds, extent_points
 
 MOST_PLACES: Final = 2000
 """Corners and places of all zones together: chosen, an answer with them has 90 kB, which a local
@@ -83,4 +83,4 @@ def outside_arena(zone: ZoneSection, bounds_m: Sequence[float]) -> str | None:
         low, high = places.min(axis=0), places.max(axis=0)
         if low[0] < x1 and low[1] < y1 and high[0] > x0 and high[1] > y0:
             return None
-    return f"lies outside the arena: must reach into x {x0:g}..{x1:g}, y {y0:g}..{y1:g}"
+    return f"lies outside the arena: must reach into {Bounds(*bounds_m).ranges}"

@@ -99,7 +99,9 @@ class SavedPlaces:
         except ControlError as error:
             raise PlaceError(str(error)) from None
         if not self._arena.contains((found.x, found.y)):
-            raise PlaceError(f"({found.x:g}, {found.y:g}) m: outside the arena")
+            raise PlaceError(
+                f"({found.x:g}, {found.y:g}) m: outside the arena, {self._arena.ranges}"
+            )
         return SavedPlace(name, found.x, found.y, found.heading_rad)
 
     def _find(self, name: str) -> SavedPlace | None:

@@ -297,3 +297,8 @@ def test_colours_are_left_out_where_they_are_not_wanted(
     monkeypatch.setitem(entry.COMMANDS, "probe", entry.ListedCommand("", ""))
     assert entry.run(["probe"]) == 0
     assert said == [None if coloured else False]
+
+
+def test_a_word_for_a_number_is_said_to_be_none(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run(["marker", "seven"]) == 2
+    assert "'seven' is not a whole number" in capsys.readouterr().err

@@ -35,7 +35,8 @@ def test_a_key_that_stands_twice_is_an_error_at_the_second() -> None:
         ("3: 4\n", "a key must be a word"),
         ("a: *nowhere\n", "not YAML: found undefined alias"),
         ("a: !!python/object:os.system {}\n", ""),
-        ("\ta: 1\n", "not YAML: "),
+        ("\ta: 1\n", "not YAML: a tab: must be spaces"),
+        ("a:\n\tb: 1\n", "not YAML: a tab: must be spaces"),
         ("a: 1\n---\nb: 2\n", "not YAML: "),
         ("a: !!timestamp x\n", ""),
         ("a: !!binary x\n", ""),
@@ -44,6 +45,11 @@ def test_a_key_that_stands_twice_is_an_error_at_the_second() -> None:
 def test_what_is_not_a_configuration_at_all_is_a_clear_error(text: str, message: str) -> None:
     messages = [told for _, told in problems_of(text)]
     assert any(message in told for told in messages)
+
+
+def test_a_colon_without_a_space_is_reported_at_its_own_line() -> None:
+    told = text_of_error("robot:\n  marker_id: 7\n  radius_m:0.09\n  # its words\n  driver: a\n")
+    assert told.startswith("run.yaml:3:3: not YAML: must be `key: value`, with a space")
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ def go(daemon: Daemon, *places: tuple[float, float]) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("place", "said"),
     [
+        ((220.0, 160.0), "at (220, 160) m: outside the arena, x 0..2.4, y 0..1.8"),
         ((0.42, 1.05), "at (0.42, 1.05) m: lies in an obstacle"),
         ((0.05, 0.9), "at (0.05, 0.9) m: the nearest obstacle is 0.050 m away, the robot's radius"),
     ],

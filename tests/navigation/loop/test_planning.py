@@ -97,7 +97,7 @@ def test_a_refusal_names_the_robot_at_rest_that_closes_the_only_path_and_no_othe
     outside = replace(ACROSS, stations=(Station(2.8, 0.5),), avoid=(far, closes))
     refused = arena_planner.answer(outside).path
     assert isinstance(refused, NoPath)
-    assert refused.reason == "the goal (2.8, 0.5) lies outside the bounds"
+    assert refused.reason == f"the goal (2.8, 0.5) lies outside the bounds, {BOUNDS.ranges}"
 
 
 def test_before_the_first_scene_there_is_no_plan_and_no_clearance() -> None:

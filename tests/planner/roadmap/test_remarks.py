@@ -64,7 +64,7 @@ def test_objects_beyond_the_bounds_are_remarked() -> None:
 
 def test_an_empty_roadmap_is_remarked_with_the_width_that_was_asked_for() -> None:
     remarks = planner.build_roadmap(hand_made()["one box"], 60.0).remarks
-    assert remarks == ("the roadmap is empty: no passage is 120 wide",)
+    assert remarks == ("the roadmap is empty: no passage is 120 px wide",)
 
 
 def test_many_remarks_are_counted() -> None:

@@ -193,7 +193,11 @@ def test_walled_in_has_no_widest_robot() -> None:
 
 @pytest.mark.parametrize(
     ("start", "words"),
-    [((80, 60), "inside obstacle 0"), ((-5, 60), "outside the bounds"), ((56, 60), "nearer than")],
+    [
+        ((80, 60), "inside obstacle 0"),
+        ((-5, 60), "bounds, x -0.5..159.5, y -0.5..119.5"),
+        ((56, 60), "nearer than"),
+    ],
 )
 def test_a_station_that_cannot_be_says_why(start: tuple[float, float], words: str) -> None:
     answer = _plan(hand_made()["one box"], 5.0, start, (150, 110))

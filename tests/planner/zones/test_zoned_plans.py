@@ -128,7 +128,7 @@ def test_a_robot_in_a_keep_out_zone_leaves_it_by_the_shortest_path_out(roadmap: 
 
 def test_a_robot_that_cannot_leave_a_keep_out_zone_is_told(roadmap: Roadmap) -> None:
     floor = Zone("all", "keep_out", PolygonArea(((-1, -1), (5, -1), (5, 3), (-1, 3))))
-    assert refused(with_zones(roadmap, [floor]), START, (9.0, 9.0)) == (
+    assert refused(with_zones(roadmap, [floor]), START, (9.0, 9.0)).startswith(
         "the goal (9, 9) lies outside the bounds"
     ) or "in keep-out zone" in refused(with_zones(roadmap, [floor]))
 

@@ -96,6 +96,24 @@ def test_a_wrong_configuration_is_refused_at_its_place(
 
 
 @pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (("x_m: 0.72", "x_m: 72"), "mission.stations[0].x_m: must be in 0.09..2.31"),
+        (("bounds_m: [0.0, 0.0, 2.4, 1.8]", "bounds_m: [2.4, 0.0, 0.0, 1.8]"), "arena.bounds_m: "),
+    ],
+)
+def test_one_mistake_is_one_error(
+    tmp_path: Path, text: str, change: tuple[str, str], where: str
+) -> None:
+    file = tmp_path / "wrong.yaml"
+    file.write_text(replaced(text, change))
+    told = call("check", file)
+    assert told.code == 78
+    assert where in told.err
+    assert " errors" not in told.err
+
+
+@pytest.mark.parametrize(
     ("change", "key", "words"),
     [
         (("laboratory.txt", "gone.txt"), "simulation.arena", "No such file"),
@@ -116,6 +134,15 @@ def test_check_finds_what_only_the_named_files_can_show(
     assert (told.code, told.out) == (78, "")
     assert key in told.err
     assert words in told.err
+
+
+def test_a_run_that_can_make_no_folder_names_the_key(tmp_path: Path, text: str) -> None:
+    (tmp_path / "taken").write_text("a file")
+    file = tmp_path / "wrong.yaml"
+    file.write_text(replaced(text, ("runs_dir: runs ", f"runs_dir: {tmp_path / 'taken'} ")))
+    told = call("run", file, "--once", "--no-dashboard")
+    assert told.code == 2
+    assert f"recording.runs_dir = {tmp_path / 'taken'}: Not a directory" in told.err
 
 
 def test_a_run_without_its_arena_is_refused_before_anything_begins(

@@ -117,6 +117,13 @@ def test_comments_of_keys_that_are_commented_out_are_indented_as_their_keys(
     assert seen >= 1
 
 
+def test_init_names_the_folder_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["init", str(tmp_path / "gone" / "arena.yaml")]) == 2
+    assert f"there is no directory {tmp_path / 'gone'}" in capsys.readouterr().err
+
+
 def test_init_overwrites_only_when_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = _init(tmp_path)
     file.write_text("mine")
@@ -188,6 +195,28 @@ def test_check_finds_an_arena_that_the_camera_does_not_see(
 ) -> None:
     assert run(["check", str(_changed(_init(tmp_path), old, new))]) == 78
     assert told in capsys.readouterr().err
+
+
+def test_check_finds_an_arena_and_a_marker_in_other_units_than_metres(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A picture of 1280 pixels cannot show a marker of 9 cm in an arena of 200 m."""
+    scale = ("calibration: calibration.yaml", "metres_per_pixel: 0.2")
+    file = _changed(_init(tmp_path, "--real"), *scale)
+    _changed(file, "bounds_m: [0.0, 0.0, 2.4, 1.8]", "bounds_m: [0.0, 0.0, 200.0, 150.0]")
+    _changed(file, "marker_height_m: 0.12", "marker_height_m: 0.0")
+    assert run(["check", str(file)]) == 78
+    error = capsys.readouterr().err
+    assert "robot.marker_size_m: 0.09 m are 0." in error
+    assert "px in the picture: must be >= 6 px, one for each cell" in error
+
+
+def test_check_says_how_a_scale_alone_can_be_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scale = ("calibration: calibration.yaml", "metres_per_pixel: 0.0019")
+    assert run(["check", str(_changed(_init(tmp_path, "--real"), *scale))]) == 78
+    assert "robot.marker_height_m: must be 0 with metres_per_pixel" in capsys.readouterr().err
 
 
 def test_check_finds_a_calibration_for_other_pictures(
