@@ -124,8 +124,20 @@ class People:
             self._daemon.robots[robot].pilot.restore(mission)
 
     def stop(self, reason: str, robot: str | None = None) -> str | None:
-        """Stop in an emergency: straight to the links, then latched."""
-        return self._daemon.stopping.stop(self._chosen(robot), reason)
+        """Stop in an emergency: straight to the links, then latched.
+
+        A name that no robot has stops them all, since it was meant for one of them, and raises
+        `MissionError` afterwards.
+        """
+        try:
+            chosen, unknown = self._chosen(robot), ""
+        except MissionError as error:
+            chosen, unknown = self._chosen(None), str(error)
+        trouble = self._daemon.stopping.stop(chosen, reason)
+        if unknown:
+            which = "all robots were" if len(chosen) > 1 else "the robot was"
+            raise MissionError("; ".join(filter(None, (unknown, f"{which} stopped", trouble))))
+        return trouble
 
     def pause(self, robot: str | None = None) -> None:
         """Hold where the robots are."""

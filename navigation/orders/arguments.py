@@ -1,7 +1,7 @@
 """Arguments of orders from outside: read and checked, or refused in a sentence.
 
 A stop is never refused for its reason: a long one is shortened, an unprintable one cleaned, and one
-that is no text replaced.
+that is no text replaced. Nor for its robot: a name that none has stops all.
 
 Metres, radians, seconds.
 """
@@ -29,9 +29,15 @@ ROBOT_CHARACTERS: Final = 64
 
 
 def read_robot(request: Mapping[str, Any]) -> str | None:
-    """Robot that a request names; None without one."""
-    name = _name(request, "robot")
-    return None if name is None else printable(name, ROBOT_CHARACTERS)
+    """Robot that a request names; None without one.
+
+    Another value than a text is written as one, which no robot has for a name: a stop is not
+    refused for it.
+    """
+    robot = request.get("robot")
+    if robot is None:
+        return None
+    return printable(robot if isinstance(robot, str) else in_short(robot), ROBOT_CHARACTERS)
 
 
 def _name(request: Mapping[str, Any], key: str) -> str | None:

@@ -104,8 +104,9 @@ _ALL: Final = (
         "stop",
         "Emergency stop of the running daemon's robot.",
         "Stop the robot at once; it stays stopped until `clearway resume` re-arms it.\n\n"
-        "Of several robots all are stopped, or the one that --robot names. A daemon is found even\n"
-        "where its socket was removed; without --socket every daemon of yours is stopped then.",
+        "Of several robots all are stopped, or the one that --robot names; a name that none has\n"
+        "stops all. A daemon is found even where its socket was removed; without --socket every\n"
+        "daemon of yours is stopped then.",
         (
             'clearway stop --reason "a person in the arena"',
             "Stop the robot at once, and say why.",

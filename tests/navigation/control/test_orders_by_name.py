@@ -43,19 +43,42 @@ def test_a_stop_is_answered_as_ever() -> None:
     assert people.orders == [("stop", "now")]
 
 
-@pytest.mark.parametrize("order", [*OF_ROBOTS, "status"])
-@pytest.mark.parametrize("name", ["eve", 7, "", ["ada"]])
-def test_a_name_that_is_none_is_refused_and_nothing_is_ordered(order: str, name: object) -> None:
+ROBOTS = ({"ada": None, "bob": None}, {"": None})
+NAMES = ("eve", 7, "", ["ada"], {"name": "ada"}, "ada" * 500)
+
+
+def given(order: str, name: object, robots: dict[str, None]) -> tuple[str, list[object]]:
+    """Error of an order for a robot of that name, and what was stopped."""
     stopping = RecordedPeople()
-    people = People(SimpleNamespace(robots={"ada": None, "bob": None}, stopping=stopping))
+    people = People(SimpleNamespace(robots=robots, stopping=stopping))
+    stopping.stop = lambda robots, reason: stopping.orders.append((len(robots), reason))
     answer = carry_out({"order": order, "robot": name, **ARGUMENTS}, people)
     assert not answer["ok"]
-    assert "robot" in answer["error"]
-    assert stopping.orders == []
+    return answer["error"], stopping.orders
 
 
-@pytest.mark.parametrize("order", OF_ROBOTS)
+@pytest.mark.parametrize("order", [*OF_ROBOTS, "status"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_that_is_none_is_refused_and_only_a_stop_is_carried_out_for_all(
+    order: str, name: object
+) -> None:
+    for robots in ROBOTS:
+        error, stopped = given(order, name, robots)
+        assert error.startswith("robot ")
+        assert stopped == ([(len(robots), "now")] if order == "stop" else [])
+        assert error.endswith(" stopped") == (order == "stop")
+
+
+def test_a_stop_with_a_wrong_name_says_what_it_did() -> None:
+    assert given("stop", "eve", ROBOTS[0])[0] == (
+        "robot 'eve': there are ada, bob; all robots were stopped"
+    )
+    assert given("stop", "eve", ROBOTS[1])[0] == (
+        "robot 'eve': this run has one robot, which has no name; the robot was stopped"
+    )
+
+
+@pytest.mark.parametrize("order", sorted(set(OF_ROBOTS) - {"stop"}))
 def test_a_run_with_one_robot_says_that_it_has_no_names(order: str) -> None:
-    people = People(SimpleNamespace(robots={"": None}, stopping=RecordedPeople()))
-    answer = carry_out({"order": order, "robot": "ada", **ARGUMENTS}, people)
-    assert answer["error"] == "robot 'ada': this run has one robot, which has no name"
+    error, _ = given(order, "ada", ROBOTS[1])
+    assert error == "robot 'ada': this run has one robot, which has no name"

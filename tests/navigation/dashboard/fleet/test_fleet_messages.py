@@ -118,7 +118,7 @@ def test_an_order_that_names_nobody_or_somebody_unknown_is_refused_in_words(
     go = {"order": "go", "stations": [{"x_m": 1.0, "y_m": 0.5}]}
     assert "say which one" in give(go, fleet.people, "x")["error"]
     assert "there are" in give({**go, "robot": "nobody"}, fleet.people, "x")["error"]
-    assert "must be a name" in give({**go, "robot": 3}, fleet.people, "x")["error"]
+    assert "there are" in give({**go, "robot": 3}, fleet.people, "x")["error"]
 
 
 def test_a_preview_is_of_the_named_robot_from_where_it_stands(fleet: Daemon) -> None:
