@@ -8,6 +8,7 @@ stretch begins there. Metres, radians, seconds of our clock.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import deque
 from typing import Final, NamedTuple
@@ -28,6 +29,9 @@ doubt: a new stretch begins."""
 OFFSETS: Final = 20
 """The least delay of the last second dates the reports, which follows a robot whose clock is slow
 (0.5 % with a ceramic resonator)."""
+OVERTAKEN_S: Final = 10.0
+"""A report older than the last one by no more was overtaken on the line. By more, the robot's clock
+has come round: it was not heard, or this computer slept, for up to 71.6 minutes."""
 KEPT_S: Final = 4.0
 LONGEST_GUESS_S: Final = 0.2
 """Time after the last report for which its speeds are assumed to hold."""
@@ -63,6 +67,7 @@ class WheelTrack:
         self._boot_id: int | None = None
         self._robot_us = 0
         self._robot_s = 0.0
+        self._arrived_s = -math.inf
         self._knots: deque[tuple[float, WheelMotion]] = deque()
         self._table: FloatArray | None = None
         """Columns of the knots, for `ways_at`; None once outdated."""
@@ -75,17 +80,19 @@ class WheelTrack:
 
     def see(self, status: Status, arrived_s: float) -> None:
         """Take a report; one that is not newer than the last changes nothing."""
-        if status.boot_id != self._boot_id:
+        dt_s = (status.time_us - self._robot_us) % WRAP_US / 1e6
+        older_s = (self._robot_us - status.time_us) % WRAP_US / 1e6
+        silent_s, self._arrived_s = arrived_s - self._arrived_s, arrived_s
+        another_clock = status.boot_id != self._boot_id or silent_s > OVERTAKEN_S
+        if older_s <= OVERTAKEN_S and not another_clock:
+            return
+        if another_clock or dt_s > OVERTAKEN_S:
             self._boot_id = status.boot_id
             self._robot_us, self._robot_s = status.time_us, 0.0
             self._offsets_s.clear()
             self._offsets_s.append(arrived_s)
             self._begin(status, arrived_s)
             return
-        passed_us = (status.time_us - self._robot_us) % WRAP_US
-        if passed_us == 0 or passed_us > WRAP_US // 2:
-            return
-        dt_s = passed_us / 1e6
         self._robot_us, self._robot_s = status.time_us, self._robot_s + dt_s
         known_s = min(self._offsets_s)
         self._offsets_s.append(arrived_s - self._robot_s)
