@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from navigation.witness.wheels import WheelMotion
+from navigation.witness.wheels import BEGUN, WheelMotion
 from planner.scene import FloatArray
 
 ANCHOR_EVERY_S: Final = 0.1
@@ -132,7 +132,8 @@ class Agreement:
         """Distance that the wheels have driven while both agreed; never falls."""
         self._metre = _Learned(1.0, METRE_SPREAD, METRE_MOST)
         self._bend = _Learned(0.0, BEND_SPREAD_RAD_M, BEND_MOST_RAD_M)
-        self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
+        self._last: tuple[float, WheelMotion] | None = None
+        """Heading up to which the place is rolled, and the wheels' motion then."""
         self._rolled: tuple[float, float, float] | None = None
         self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
         """Pose by the camera, less that by the wheels."""
@@ -147,9 +148,13 @@ class Agreement:
         self._anchors.clear()
         self._table = None
 
-    def break_off(self) -> None:
-        """Note that the wheels lost count: their motion meanwhile is unknown."""
-        self._last = None
+    def break_off(self, ended: WheelMotion | None) -> None:
+        """Begin another stretch after ``ended``: the wheels' motion in between is unknown."""
+        if ended is not None and self._last is not None:
+            heading_rad, then = self._last
+            turned_rad = ended.turn_rad - then.turn_rad
+            self._roll_on(heading_rad + turned_rad / 2.0, ended.way_m - then.way_m, turned_rad)
+            self._last = (heading_rad + turned_rad, BEGUN)
         self.begin_again()
 
     def add(
@@ -181,19 +186,22 @@ class Agreement:
         shows as slip.
         """
         assert self._rolled is not None
-        before, then = self._last if self._last is not None else (pose, wheels)
-        self._last = (pose, wheels)
-        turned = math.remainder(pose[2] - before[2], math.tau)
-        middle = before[2] + turned / 2.0
-        way_m = (wheels.way_m - then.way_m) * self._metre.value
-        turn_rad = wheels.turn_rad - then.turn_rad
+        before_rad, then = self._last if self._last is not None else (pose[2], wheels)
+        self._last = (pose[2], wheels)
+        middle = before_rad + math.remainder(pose[2] - before_rad, math.tau) / 2.0
+        self._roll_on(middle, wheels.way_m - then.way_m, wheels.turn_rad - then.turn_rad)
+        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
+
+    def _roll_on(self, along_rad: float, way_m: float, turn_rad: float) -> None:
+        """Move the rolled place by the wheels' motion."""
+        assert self._rolled is not None
+        way_m *= self._metre.value
         x, y, heading = self._rolled
         self._rolled = (
-            x + way_m * math.cos(middle),
-            y + way_m * math.sin(middle),
+            x + way_m * math.cos(along_rad),
+            y + way_m * math.sin(along_rad),
             math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
         )
-        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
 
     def _anchor(
         self, time_s: float, pose: tuple[float, float, float], wheels: WheelMotion

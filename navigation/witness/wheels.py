@@ -55,6 +55,10 @@ class WheelMotion(NamedTuple):
     turn_rad_s: float
 
 
+BEGUN: Final = WheelMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Motion at the beginning of a stretch."""
+
+
 class WheelTrack:
     """Motion over time, fed with the robot's reports.
 
@@ -73,6 +77,8 @@ class WheelTrack:
         """Columns of the knots, for `ways_at`; None once outdated."""
         self.stretch = 0
         """Number of stretches without a gap; sums of different stretches cannot be compared."""
+        self.ended: WheelMotion | None = None
+        """Motion over the whole stretch before this one, as far as it was reported."""
         self.turn_rad = 0.0
         """Turn of the robot by its wheels over all stretches."""
         self.driven_m = 0.0
@@ -101,23 +107,22 @@ class WheelTrack:
         last = self._knots[-1][1]
         way_m = dt_s * (last.speed_m_s + status.speed_m_s) / 2.0
         turn_rad = dt_s * (last.turn_rad_s + status.turn_rad_s) / 2.0
-        if dt_s <= LONGEST_GAP_S:
-            self.turn_rad += turn_rad
-        if dt_s > LONGEST_GAP_S or known_s - offset_s > REDATED_S:
+        if dt_s > LONGEST_GAP_S:
             self._begin(status, at_s)
             return
+        self.turn_rad += turn_rad
         self.driven_m += abs(way_m)
-        self._add(
-            at_s,
-            WheelMotion(
-                last.way_m + way_m,
-                last.turn_rad + turn_rad,
-                last.driven_m + abs(way_m),
-                last.turned_rad + abs(turn_rad),
-                status.speed_m_s,
-                status.turn_rad_s,
-            ),
+        motion = WheelMotion(
+            last.way_m + way_m,
+            last.turn_rad + turn_rad,
+            last.driven_m + abs(way_m),
+            last.turned_rad + abs(turn_rad),
+            status.speed_m_s,
+            status.turn_rad_s,
         )
+        self._add(at_s, motion)
+        if known_s - offset_s > REDATED_S:
+            self._begin(status, at_s)
 
     @property
     def newest_s(self) -> float:
@@ -179,8 +184,10 @@ class WheelTrack:
 
     def _begin(self, status: Status, at_s: float) -> None:
         self.stretch += 1
+        self.ended = self._knots[-1][1] if self._knots else None
         self._knots.clear()
-        self._add(at_s, WheelMotion(0.0, 0.0, 0.0, 0.0, status.speed_m_s, status.turn_rad_s))
+        motion = BEGUN._replace(speed_m_s=status.speed_m_s, turn_rad_s=status.turn_rad_s)
+        self._add(at_s, motion)
 
     def _add(self, at_s: float, motion: WheelMotion) -> None:
         at_s -= self._lag_s

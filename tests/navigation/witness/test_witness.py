@@ -192,6 +192,21 @@ def test_after_a_gap_in_the_reports_the_comparison_begins_again() -> None:
             assert witness.wheels.stretch == (1 if at_s < 11.0 else 2)
 
 
+def test_what_the_wheels_reported_before_and_after_a_gap_is_no_slip() -> None:
+    """Unseen from 10.4 s to 13 s, the robot drives, stands and drives; two seconds of it, in which
+    it stands, are not reported."""
+
+    def motion(time_s: float) -> tuple[float, float]:
+        return (0.3 if time_s < 10.6 or time_s > 12.8 else 0.0), 0.0
+
+    def sight(time_s: float, pose: Place) -> Place | None:
+        return None if 10.4 < time_s < 13.0 else pose
+
+    robot = MovingRobot(motion=motion, seconds=16.0)
+    evidence = last(robot, sight=sight, late_s=lambda t: 1e9 if 10.7 < t < 12.7 else 0.0)
+    assert math.hypot(*evidence.slip_m) < 0.02
+
+
 def test_the_pose_is_carried_on_by_the_wheels() -> None:
     robot = MovingRobot(seconds=3.0)
     witness = Witness(LIMITS)
