@@ -84,9 +84,11 @@ class ControlledRobot:
                 case StatusReceived():
                     self.witness.report(event.status, event.at_s)
                 case RobotRebooted():  # two robots may have been swapped on their ports
-                    self.pilot.trust.doubt("the robot has rebooted, or another is on its port")
+                    why = "the robot has rebooted, or another is on its port"
+                    self.pilot.trust.may_be_another(why)
                 case LinkChanged(new=LinkState.CLOSED):
-                    self.pilot.trust.doubt("its port was closed: another robot may be there now")
+                    why = "its port was closed: another robot may be there now"
+                    self.pilot.trust.may_be_another(why)
         self.evidence = self.witness.evidence()
 
     def sight(
