@@ -79,6 +79,8 @@ class WheelTrack:
         """Number of stretches without a gap; sums of different stretches cannot be compared."""
         self.ended: WheelMotion | None = None
         """Motion over the whole stretch before this one, as far as it was reported."""
+        self.unreported = False
+        """True if reports are missing between that stretch and this one."""
         self.turn_rad = 0.0
         """Turn of the robot by its wheels over all stretches."""
         self.driven_m = 0.0
@@ -97,7 +99,7 @@ class WheelTrack:
             self._robot_us, self._robot_s = status.time_us, 0.0
             self._offsets_s.clear()
             self._offsets_s.append(arrived_s)
-            self._begin(status, arrived_s)
+            self._begin(status, arrived_s, unreported=True)
             return
         self._robot_us, self._robot_s = status.time_us, self._robot_s + dt_s
         known_s = min(self._offsets_s)
@@ -108,7 +110,7 @@ class WheelTrack:
         way_m = dt_s * (last.speed_m_s + status.speed_m_s) / 2.0
         turn_rad = dt_s * (last.turn_rad_s + status.turn_rad_s) / 2.0
         if dt_s > LONGEST_GAP_S:
-            self._begin(status, at_s)
+            self._begin(status, at_s, unreported=True)
             return
         self.turn_rad += turn_rad
         self.driven_m += abs(way_m)
@@ -122,7 +124,7 @@ class WheelTrack:
         )
         self._add(at_s, motion)
         if known_s - offset_s > REDATED_S:
-            self._begin(status, at_s)
+            self._begin(status, at_s, unreported=False)
 
     @property
     def newest_s(self) -> float:
@@ -182,8 +184,9 @@ class WheelTrack:
         way_m = last.way_m - then.way_m + guess_s * last.speed_m_s
         return way_m, last.turn_rad - then.turn_rad + guess_s * last.turn_rad_s
 
-    def _begin(self, status: Status, at_s: float) -> None:
+    def _begin(self, status: Status, at_s: float, *, unreported: bool) -> None:
         self.stretch += 1
+        self.unreported = unreported
         self.ended = self._knots[-1][1] if self._knots else None
         self._knots.clear()
         motion = BEGUN._replace(speed_m_s=status.speed_m_s, turn_rad_s=status.turn_rad_s)

@@ -43,13 +43,16 @@ def over(now: RobotSnapshot) -> bool:
     return now.mission.is_over or now.mission.state is State.STOPPED
 
 
+@pytest.mark.parametrize("lost", [False, True], ids=["reports kept", "all reports lost"])
 @pytest.mark.parametrize("seconds", [1.0, 3.0, 30.0, 7200.0])
 def test_a_robot_that_braked_meanwhile_was_not_carried(
-    fast: tuple[TroubledWorld, Daemon], seconds: float
+    fast: tuple[TroubledWorld, Daemon], seconds: float, lost: bool
 ) -> None:
     world, daemon = fast
     before = world.body.robot.pose()
+    world.body.troubles.cable_out = lost
     freeze(world, seconds)
+    world.body.troubles.cable_out = False
     assert world.body.robot.pose() != before
     end = cycle_until(daemon, over, 60.0)
     assert end.mission.state is State.DONE, end.sentence

@@ -207,6 +207,28 @@ def test_what_the_wheels_reported_before_and_after_a_gap_is_no_slip() -> None:
     assert math.hypot(*evidence.slip_m) < 0.02
 
 
+@pytest.mark.parametrize(
+    ("carried_m", "slip_m"), [((0.0, 0.0), 0.0), ((0.5, 0.0), 0.26), ((0.0, 0.15), 0.15)]
+)
+def test_only_what_a_robot_can_have_driven_unreported_is_no_slip(
+    carried_m: tuple[float, float], slip_m: float
+) -> None:
+    """It drives 0.06 m and brakes, then stands, while reports are lost and nobody looks."""
+
+    def motion(time_s: float) -> tuple[float, float]:
+        return (0.3 if time_s < 10.2 else 0.0), 0.0
+
+    def sight(time_s: float, pose: Place) -> Place | None:
+        if 10.0 < time_s < 12.0:
+            return None
+        dx, dy = carried_m if time_s >= 12.0 else (0.0, 0.0)
+        return pose[0] + dx, pose[1] + dy, pose[2]
+
+    robot = MovingRobot(motion=motion, seconds=14.0)
+    evidence = last(robot, sight=sight, late_s=lambda t: 1e9 if 10.0 < t < 12.0 else 0.0)
+    assert math.hypot(*evidence.slip_m) == pytest.approx(slip_m, abs=0.03)
+
+
 def test_the_pose_is_carried_on_by_the_wheels() -> None:
     robot = MovingRobot(seconds=3.0)
     witness = Witness(LIMITS)
