@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import subprocess
 import sys
@@ -297,3 +298,14 @@ def test_colours_are_left_out_where_they_are_not_wanted(
     monkeypatch.setitem(entry.COMMANDS, "probe", entry.ListedCommand("", ""))
     assert entry.run(["probe"]) == 0
     assert said == [None if coloured else False]
+
+
+def test_a_process_without_descriptors_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, _raise(OSError(errno.EMFILE, "Too many open files")))
+    assert entry.run(["plan"]) == 1
+    said = capsys.readouterr().err
+    assert said == (
+        "clearway: error: Too many open files: raise the limit on open files (`ulimit -n 256`)\n"
+    )
