@@ -37,6 +37,7 @@ INTERRUPTED = 128 + 2
 READER_GONE = 128 + 13
 """Exit code that a shell reports for SIGPIPE."""
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
+NO_DESCRIPTOR = frozenset((errno.EMFILE, errno.ENFILE))
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """FFmpeg's AV_LOG_ERROR and AV_LOG_QUIET."""
 
@@ -303,6 +304,8 @@ def _sentence(error: Exception) -> str:
             return f"{error.filename}: {error.strerror or error}"
         case OSError() if error.errno in NO_ROOM:
             return f"the answer cannot be written: {error.strerror}"
+        case OSError() if error.errno in NO_DESCRIPTOR:
+            return f"{error.strerror}: raise the limit on open files (`ulimit -n 256`)"
     text = str(error)
     if _is_ours(error) and text:
         return text

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import difflib
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -39,7 +40,7 @@ class LastGood:
 
     def __init__(self, file: Path, state: Path) -> None:
         self.file = file.absolute()
-        number = hashlib.sha256(str(self.file).encode()).hexdigest()[:8]
+        number = hashlib.sha256(os.fsencode(self.file)).hexdigest()[:8]
         self.kept = state / FOLDER / f"{self.file.stem}-{number}.yaml"
 
     def keep(self, text: str) -> str | None:

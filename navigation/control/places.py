@@ -17,7 +17,7 @@ import queue
 import socket
 import stat
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -73,7 +73,9 @@ class OrderSocket:
 
     def open(self) -> None:
         """Begin to listen; ``ControlError`` if that fails."""
-        self._bound = _bind(self._path)
+        _make_private(self._path.parent)
+        with _alone_in(self._path):
+            self._bound = _bind(self._path)
         try:
             self._abstract = listen_without_a_file(self._path, BACKLOG)
         except OSError as error:
@@ -169,6 +171,25 @@ def _bind(path: Path) -> _Bound:
         one.close()
         raise
     return _Bound(path, one, (found.st_dev, found.st_ino))
+
+
+@contextlib.contextmanager
+def _alone_in(path: Path) -> Iterator[None]:
+    """Lock the folder: another program that begins may be about to replace the same leftover."""
+    import fcntl  # only Unix has it
+
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(folder)
+        raise ControlError(
+            f"control socket {path}: another daemon begins to listen there"
+        ) from None
+    try:
+        yield
+    finally:
+        os.close(folder)
 
 
 def _listen(path: Path) -> socket.socket:

@@ -72,6 +72,10 @@ class KeptStops:
         return self
 
     def __exit__(self, *_exc: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Write what is left, for at most ``END_S``."""
         self._wait(END_S)
         with self._news:
             self._ends = True

@@ -18,6 +18,8 @@ this time, and a robot's lease is nearly over."""
 DOUBTFUL_S: Final = 0.05
 """With a thread this late, camera and wheels may seem to differ: in this time a robot at 0.4 m/s
 drives as far as the two may differ."""
+STOPPED_S: Final = 5.0
+"""A delay that load alone hardly explains: the program was stopped, or the computer slept."""
 CALM_S: Final = 1.0
 """Time for which all threads must be on time before robots drive again."""
 
@@ -49,6 +51,11 @@ class Punctuality:
 
     def _sentence(self, thread: str, late_s: float) -> str:
         load, cores = (self._load or os.getloadavg)()[0], os.cpu_count() or 1
+        if late_s >= STOPPED_S:
+            return (
+                f"this program did not run for {late_s:.0f} s: it was stopped, or this computer "
+                f"slept or is too busy (load {load:.1f} on {cores} processors)"
+            )
         return (
             f"this computer is too busy: {thread} was late by {late_s:.1f} s "
             f"(load {load:.1f} on {cores} processors)"

@@ -11,7 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
 
-from firmware_protocol.host.events import StatusReceived
+from firmware_protocol.host.events import LinkChanged, RobotRebooted, StatusReceived
+from firmware_protocol.host.state import LinkState
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
@@ -79,8 +80,15 @@ class ControlledRobot:
     def hears(self) -> None:
         """Read every report of the wheels: a late loop has several."""
         for event in self.link.events():
-            if isinstance(event, StatusReceived):
-                self.witness.report(event.status, event.at_s)
+            match event:
+                case StatusReceived():
+                    self.witness.report(event.status, event.at_s)
+                case RobotRebooted():  # two robots may have been swapped on their ports
+                    why = "the robot has rebooted, or another is on its port"
+                    self.pilot.trust.may_be_another(why)
+                case LinkChanged(new=LinkState.CLOSED):
+                    why = "its port was closed: another robot may be there now"
+                    self.pilot.trust.may_be_another(why)
         self.evidence = self.witness.evidence()
 
     def sight(

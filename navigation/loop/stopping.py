@@ -31,6 +31,11 @@ class Stopping:
         trouble = "" if self.kept is None else self.kept.trouble
         return f"a restart would not know whether robots are stopped: {trouble}" if trouble else ""
 
+    def end(self) -> None:
+        """Write what is left, after the last stop."""
+        if self.kept is not None:
+            self.kept.close()
+
     def hold_from_before(
         self, robots: Sequence[ControlledRobot], kept: KeptStops
     ) -> dict[str, str]:

@@ -13,6 +13,9 @@ STEP_M: Final = 0.02
 """Nearer by less is no progress: the camera's noise is a tenth of it."""
 DETOURS: Final = 10
 """Most new scenes that may lengthen the path between two stations."""
+LONGEST_LOOK_S: Final = 1.0
+"""Longest time between two looks that counts: in a longer one this program did not run (a computer
+that slept), so nothing was waited for."""
 
 
 class Progress:
@@ -41,7 +44,7 @@ class Progress:
         passed_s = 0.0 if self._looked_s is None else now_s - self._looked_s
         self._looked_s = now_s
         if waits:
-            self.waited_s += passed_s
+            self.waited_s += min(passed_s, LONGEST_LOOK_S)
         if visited > self._visited:
             self._visited, self.waited_s = visited, 0.0
             self._next_station()

@@ -1,8 +1,9 @@
 """Trust that the robot seen is the one whose wheels turn, and its proof.
 
 - SURE: a person has armed the robot, or camera and wheels have agreed for ``PROBATION_M``.
-- DOUBTED: they differed, or the motion was not seen. The robot may only prove itself: turn a little
-  on the spot, which leaves its disc in place, and be seen to turn as its wheels do.
+- DOUBTED: they differed, the motion was not seen, or it may be another robot. It may only prove
+  itself: turn a little on the spot, which leaves its disc in place, and be seen to turn as its
+  wheels do.
 - PROBATION: it has proved itself and drives, slowly at first. A difference is now a stop.
 
 A robot seen far from where its wheels brought it always needs a person. One that cannot turn on the
@@ -120,10 +121,12 @@ class Trust:
         self.proofs = 0
         self._since_m = 0.0
         self._slip_m, self._slip_rad = (0.0, 0.0), 0.0
+        self._may_be_another = False
 
     def arm(self) -> None:
         """Trust the robot fully."""
         self.level, self.why = Level.SURE, ""
+        self._may_be_another = False
 
     def vouch(self) -> None:
         """Trust a person, who has seen the robot where the camera shows it."""
@@ -133,6 +136,14 @@ class Trust:
         """Ask for a proof; the first reason stays."""
         if self.level is not Level.DOUBTED:
             self.level, self.why = Level.DOUBTED, why
+
+    def may_be_another(self, why: str) -> None:
+        """Ask for a proof of a robot whose place is not known from its wheels.
+
+        A doubted one keeps the place where it was trusted last.
+        """
+        self._may_be_another |= self.level is not Level.DOUBTED
+        self.doubt(why)
 
     def look(self, evidence: Evidence, lost: str | None, late: str | None = None) -> str | None:
         """Take new evidence; return a stop's sentence if a robot on probation differs again.
@@ -151,7 +162,7 @@ class Trust:
             self.doubt(lost)
         elif self.level is Level.PROBATION and evidence.agreed_m - self._since_m >= PROBATION_M:
             self.arm()
-        if self.level is Level.SURE:
+        if self.level is Level.SURE or self._may_be_another:
             self._slip_m, self._slip_rad = evidence.slip_m, evidence.slip_rad
         return None
 
@@ -161,6 +172,7 @@ class Trust:
         It was carried, or the camera shows it wrongly; no motion separates the two. Ask once the
         pictures have caught up.
         """
+        self._may_be_another = False
         off_m = math.dist(evidence.slip_m, self._slip_m)
         off_rad = abs(math.remainder(evidence.slip_rad - self._slip_rad, math.tau))
         if off_m <= KNOCKED_M and off_rad <= KNOCKED_RAD:

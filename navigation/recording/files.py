@@ -232,7 +232,8 @@ class RecordingFiles:
             self._remove_oldest()
 
     def _remove_oldest(self) -> None:
-        files = recordings_in(self.folder)
+        # the present ones last, whatever the computer's clock has called the others
+        files = sorted(recordings_in(self.folder), key=self._is_present)
         sizes = {file: file.stat().st_size for file in files}
         total = sum(sizes.values())
         for file in files:
@@ -241,6 +242,9 @@ class RecordingFiles:
             file.unlink(missing_ok=True)
             self.removed += 1
             total -= sizes[file]
+
+    def _is_present(self, file: Path) -> bool:
+        return file.stem.startswith(f"{self._stem}_")
 
     def close(self) -> None:
         """Write the index and close the file."""

@@ -155,12 +155,13 @@ class Runner:
             self.zones = daemon.zones
             daemon.people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             daemon.people.masks_in = None if self._file is None else self._file.absolute().parent
+            open_things.callback(daemon.stopping.end)  # once no more orders are taken
             taking = TakingOrders(open_things, socket, daemon, self._log, self._say)
             named = " --robot NAME" if self.config.robots else ""
             self._say(f"orders at {socket}: clearway go X,Y{named}, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             # after orders are taken: earlier stops are on the disk, new ones arrive here
-            self._hold_what_was_stopped(open_things, daemon, socket)
+            self._hold_what_was_stopped(daemon, socket)
             zones.settle()
             missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
@@ -309,11 +310,11 @@ class Runner:
         self._say(f"recording into {recorder.path}")
         return recorder
 
-    def _hold_what_was_stopped(self, open_things: ExitStack, daemon: Daemon, socket: Path) -> None:
+    def _hold_what_was_stopped(self, daemon: Daemon, socket: Path) -> None:
         if self._stops is None:
             return
         ports = {name: ports_of(one.serial.port) for name, one in self._robots.items()}
-        kept = open_things.enter_context(KeptStops(self._stops, socket, self._file, ports))
+        kept = KeptStops(self._stops, socket, self._file, ports)
         robots = list(daemon.robots.values())
         for name, sentence in daemon.stopping.hold_from_before(robots, kept).items():
             self._say(f"{name}: {sentence}" if name else sentence)

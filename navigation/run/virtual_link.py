@@ -27,8 +27,10 @@ class VirtualLink(RobotLink):
     def open(self) -> None:
         """Open a new session, as a freshly started program does."""
         host = self.loop.host
-        self.loop.events.clear()
         host.close("another program opens the port")
+        while host.next_event() is not None:
+            pass  # the news of the program before
+        self.loop.events.clear()
         host.open(self.loop.now_s)
 
     def close(self) -> None:

@@ -26,6 +26,8 @@ from navigation.simulator.line_faults import FaultSpec, FaultyLine
 TICK_S = 0.001
 CONTROL_TICKS = 10
 """To one control cycle: 10 ms."""
+TTY_BYTES = 4095
+"""Bytes that Linux keeps for a program that reads none."""
 
 
 class PacedLine:
@@ -71,6 +73,8 @@ class Knobs:
     to_robot: bool = True
     """Passage of the host's bytes through the cable; the robot's always pass."""
     frozen: bool = False
+    host_frozen: bool = False
+    """The host's program does nothing; its kernel keeps the first `TTY_BYTES` that arrive."""
 
 
 def python_robot(identity: Identity, settings: DriveSettings) -> RobotConnection:
@@ -108,6 +112,7 @@ class VirtualLoop:
     _host_due_s: float = field(default=-math.inf, init=False)
     _robot: RobotConnection = field(init=False)
     _robot_due_s: float = field(default=-math.inf, init=False)
+    _unread: bytearray = field(default_factory=bytearray, init=False)
     _rng: np.random.Generator = field(init=False)
     _faulty: tuple[FaultyLine, FaultyLine] = field(init=False)
     _ticks: int = field(default=0, init=False)
@@ -167,8 +172,10 @@ class VirtualLoop:
             self._robot_turn(now_s, cycle_ends)
         if self.to_host.arrives_s <= now_s or self._faulty[1].held:
             self._bytes_to_host(now_s)
-        if self._host_due_s <= now_s:
-            self._host_turn(now_s)
+        if not knobs.host_frozen:
+            self._host_reads(now_s)
+            if self._host_due_s <= now_s:
+                self._host_turn(now_s)
         self.drive.step(TICK_S, self.wheels)
         if cycle_ends:
             self.track.append((now_s, *self.drive.pose))
@@ -197,9 +204,15 @@ class VirtualLoop:
     def _bytes_to_host(self, now_s: float) -> None:
         arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
         if arrived and self.knobs.cable:
-            self._host.receive_bytes(arrived, now_s)
-            if 0 in arrived:  # the end of a frame: nothing else makes the host answer
-                self._host_due_s = now_s
+            self._unread += arrived[: TTY_BYTES - len(self._unread)]
+
+    def _host_reads(self, now_s: float) -> None:
+        if not self._unread:
+            return
+        unread, self._unread = bytes(self._unread), bytearray()
+        self._host.receive_bytes(unread, now_s)
+        if 0 in unread:  # the end of a frame: nothing else makes the host answer
+            self._host_due_s = now_s
 
     def _host_turn(self, now_s: float) -> None:
         """Send the host's next frame, and take its news."""

@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from navigation.witness.wheels import WheelMotion
+from navigation.witness.wheels import BEGUN, WheelMotion
 from planner.scene import FloatArray
 
 ANCHOR_EVERY_S: Final = 0.1
@@ -44,6 +44,9 @@ BEND_MOST_RAD_M: Final = 0.6
 HEADING_SIGMA_RAD: Final = 0.02
 LATERAL_TURN_RAD: Final = 0.5
 """Largest turn in a learned stretch that leaves the bend to be seen."""
+UNREPORTED_S: Final = 1.0
+"""Time at its last speed in which a robot covers at most what it can drive unreported: a lease of
+0.55 s, half of 0.6 s of braking, and a report's interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +135,11 @@ class Agreement:
         """Distance that the wheels have driven while both agreed; never falls."""
         self._metre = _Learned(1.0, METRE_SPREAD, METRE_MOST)
         self._bend = _Learned(0.0, BEND_SPREAD_RAD_M, BEND_MOST_RAD_M)
-        self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
+        self._last: tuple[float, WheelMotion] | None = None
+        """Heading up to which the place is rolled, and the wheels' motion then."""
         self._rolled: tuple[float, float, float] | None = None
+        self._unreported_m = 0.0
+        """Distance that the robot may have driven unreported since, forwards or backwards."""
         self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
         """Pose by the camera, less that by the wheels."""
         self._anchors: deque[_Anchor] = deque(maxlen=ANCHORS)
@@ -147,9 +153,17 @@ class Agreement:
         self._anchors.clear()
         self._table = None
 
-    def break_off(self) -> None:
-        """Note that the wheels lost count: their motion meanwhile is unknown."""
-        self._last = None
+    def break_off(self, ended: WheelMotion | None, unreported: bool) -> None:
+        """Begin another stretch after ``ended``.
+
+        ``unreported``: the wheels' motion in between is unknown.
+        """
+        if ended is not None and self._last is not None:
+            heading_rad, then = self._last
+            turned_rad = ended.turn_rad - then.turn_rad
+            self._roll_on(heading_rad + turned_rad / 2.0, ended.way_m - then.way_m, turned_rad)
+            self._last = (heading_rad + turned_rad, BEGUN)
+            self._unreported_m = ended.speed_m_s * UNREPORTED_S if unreported else 0.0
         self.begin_again()
 
     def add(
@@ -181,19 +195,34 @@ class Agreement:
         shows as slip.
         """
         assert self._rolled is not None
-        before, then = self._last if self._last is not None else (pose, wheels)
-        self._last = (pose, wheels)
-        turned = math.remainder(pose[2] - before[2], math.tau)
-        middle = before[2] + turned / 2.0
-        way_m = (wheels.way_m - then.way_m) * self._metre.value
-        turn_rad = wheels.turn_rad - then.turn_rad
+        before_rad, then = self._last if self._last is not None else (pose[2], wheels)
+        self._last = (pose[2], wheels)
+        middle = before_rad + math.remainder(pose[2] - before_rad, math.tau) / 2.0
+        self._roll_on(middle, wheels.way_m - then.way_m, wheels.turn_rad - then.turn_rad)
+        if self._unreported_m != 0.0:
+            self._roll_unreported(before_rad, pose)
+        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
+
+    def _roll_on(self, along_rad: float, way_m: float, turn_rad: float) -> None:
+        """Move the rolled place by the wheels' motion."""
+        assert self._rolled is not None
+        way_m *= self._metre.value
         x, y, heading = self._rolled
         self._rolled = (
-            x + way_m * math.cos(middle),
-            y + way_m * math.sin(middle),
+            x + way_m * math.cos(along_rad),
+            y + way_m * math.sin(along_rad),
             math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
         )
-        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
+
+    def _roll_unreported(self, along_rad: float, pose: tuple[float, float, float]) -> None:
+        """Believe the camera as far as the robot may have driven unreported."""
+        assert self._rolled is not None
+        most_m, self._unreported_m = self._unreported_m, 0.0
+        x_m = pose[0] - self._rolled[0] - self.slip_m[0]
+        y_m = pose[1] - self._rolled[1] - self.slip_m[1]
+        seen_m = x_m * math.cos(along_rad) + y_m * math.sin(along_rad)
+        way_m = max(min(0.0, most_m), min(max(0.0, most_m), seen_m))
+        self._roll_on(along_rad, way_m / self._metre.value, 0.0)
 
     def _anchor(
         self, time_s: float, pose: tuple[float, float, float], wheels: WheelMotion

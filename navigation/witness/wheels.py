@@ -8,6 +8,7 @@ stretch begins there. Metres, radians, seconds of our clock.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections import deque
 from typing import Final, NamedTuple
@@ -28,6 +29,9 @@ doubt: a new stretch begins."""
 OFFSETS: Final = 20
 """The least delay of the last second dates the reports, which follows a robot whose clock is slow
 (0.5 % with a ceramic resonator)."""
+OVERTAKEN_S: Final = 10.0
+"""A report older than the last one by no more was overtaken on the line. By more, the robot's clock
+has come round: it was not heard, or this computer slept, for up to 71.6 minutes."""
 KEPT_S: Final = 4.0
 LONGEST_GUESS_S: Final = 0.2
 """Time after the last report for which its speeds are assumed to hold."""
@@ -51,6 +55,10 @@ class WheelMotion(NamedTuple):
     turn_rad_s: float
 
 
+BEGUN: Final = WheelMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Motion at the beginning of a stretch."""
+
+
 class WheelTrack:
     """Motion over time, fed with the robot's reports.
 
@@ -63,11 +71,16 @@ class WheelTrack:
         self._boot_id: int | None = None
         self._robot_us = 0
         self._robot_s = 0.0
+        self._arrived_s = -math.inf
         self._knots: deque[tuple[float, WheelMotion]] = deque()
         self._table: FloatArray | None = None
         """Columns of the knots, for `ways_at`; None once outdated."""
         self.stretch = 0
         """Number of stretches without a gap; sums of different stretches cannot be compared."""
+        self.ended: WheelMotion | None = None
+        """Motion over the whole stretch before this one, as far as it was reported."""
+        self.unreported = False
+        """True if reports are missing between that stretch and this one."""
         self.turn_rad = 0.0
         """Turn of the robot by its wheels over all stretches."""
         self.driven_m = 0.0
@@ -75,17 +88,19 @@ class WheelTrack:
 
     def see(self, status: Status, arrived_s: float) -> None:
         """Take a report; one that is not newer than the last changes nothing."""
-        if status.boot_id != self._boot_id:
+        dt_s = (status.time_us - self._robot_us) % WRAP_US / 1e6
+        older_s = (self._robot_us - status.time_us) % WRAP_US / 1e6
+        silent_s, self._arrived_s = arrived_s - self._arrived_s, arrived_s
+        another_clock = status.boot_id != self._boot_id or silent_s > OVERTAKEN_S
+        if older_s <= OVERTAKEN_S and not another_clock:
+            return
+        if another_clock or dt_s > OVERTAKEN_S:
             self._boot_id = status.boot_id
             self._robot_us, self._robot_s = status.time_us, 0.0
             self._offsets_s.clear()
             self._offsets_s.append(arrived_s)
-            self._begin(status, arrived_s)
+            self._begin(status, arrived_s, unreported=True)
             return
-        passed_us = (status.time_us - self._robot_us) % WRAP_US
-        if passed_us == 0 or passed_us > WRAP_US // 2:
-            return
-        dt_s = passed_us / 1e6
         self._robot_us, self._robot_s = status.time_us, self._robot_s + dt_s
         known_s = min(self._offsets_s)
         self._offsets_s.append(arrived_s - self._robot_s)
@@ -94,23 +109,22 @@ class WheelTrack:
         last = self._knots[-1][1]
         way_m = dt_s * (last.speed_m_s + status.speed_m_s) / 2.0
         turn_rad = dt_s * (last.turn_rad_s + status.turn_rad_s) / 2.0
-        if dt_s <= LONGEST_GAP_S:
-            self.turn_rad += turn_rad
-        if dt_s > LONGEST_GAP_S or known_s - offset_s > REDATED_S:
-            self._begin(status, at_s)
+        if dt_s > LONGEST_GAP_S:
+            self._begin(status, at_s, unreported=True)
             return
+        self.turn_rad += turn_rad
         self.driven_m += abs(way_m)
-        self._add(
-            at_s,
-            WheelMotion(
-                last.way_m + way_m,
-                last.turn_rad + turn_rad,
-                last.driven_m + abs(way_m),
-                last.turned_rad + abs(turn_rad),
-                status.speed_m_s,
-                status.turn_rad_s,
-            ),
+        motion = WheelMotion(
+            last.way_m + way_m,
+            last.turn_rad + turn_rad,
+            last.driven_m + abs(way_m),
+            last.turned_rad + abs(turn_rad),
+            status.speed_m_s,
+            status.turn_rad_s,
         )
+        self._add(at_s, motion)
+        if known_s - offset_s > REDATED_S:
+            self._begin(status, at_s, unreported=False)
 
     @property
     def newest_s(self) -> float:
@@ -170,10 +184,13 @@ class WheelTrack:
         way_m = last.way_m - then.way_m + guess_s * last.speed_m_s
         return way_m, last.turn_rad - then.turn_rad + guess_s * last.turn_rad_s
 
-    def _begin(self, status: Status, at_s: float) -> None:
+    def _begin(self, status: Status, at_s: float, *, unreported: bool) -> None:
         self.stretch += 1
+        self.unreported = unreported
+        self.ended = self._knots[-1][1] if self._knots else None
         self._knots.clear()
-        self._add(at_s, WheelMotion(0.0, 0.0, 0.0, 0.0, status.speed_m_s, status.turn_rad_s))
+        motion = BEGUN._replace(speed_m_s=status.speed_m_s, turn_rad_s=status.turn_rad_s)
+        self._add(at_s, motion)
 
     def _add(self, at_s: float, motion: WheelMotion) -> None:
         at_s -= self._lag_s

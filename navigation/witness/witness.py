@@ -121,7 +121,7 @@ class Witness:
         if self.wheels.stretch != self._stretch:
             self._stretch = self.wheels.stretch
             self._latency.break_off()
-            self._agreement.break_off()
+            self._agreement.break_off(self.wheels.ended, self.wheels.unreported)
         while self._waiting and self._waiting[0][0] <= self.wheels.newest_s:
             time_s, pose = self._waiting.popleft()
             if time_s - self._last_s > LONGEST_LOSS_S:

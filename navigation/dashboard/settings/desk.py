@@ -11,6 +11,7 @@ Rules
 from __future__ import annotations
 
 import hashlib
+import os
 import threading
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -54,7 +55,7 @@ class Desk:
     def __init__(self, around: Around) -> None:
         self._around = around
         self._file = around.file.absolute()
-        digest = hashlib.sha256(str(self._file).encode()).hexdigest()[:8]
+        digest = hashlib.sha256(os.fsencode(self._file)).hexdigest()[:8]
         self._lock = threading.Lock()
         self._kept = around.state / "settings" / f"{self._file.stem}-{digest}"
 

@@ -1,23 +1,32 @@
 """Delay in waking this program's threads, measured by a thread that does nothing else.
 
-A thread that waits for a device cannot distinguish a late device from a late computer. Seconds.
+A thread that waits for a device cannot distinguish a late device from a late computer. The time for
+which the computer slept counts, which no monotonic clock shows. Seconds.
 """
 
 from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Callable
 from typing import Final
 
 EVERY_S: Final = 0.02
 
 
-class Wakeups:
-    """A thread that wakes up every ``EVERY_S`` of ``clock``."""
+def asleep_s() -> float:
+    """Time for which this computer has slept since it was started."""
+    if not hasattr(time, "CLOCK_BOOTTIME"):  # only Linux has it
+        return 0.0
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
-    def __init__(self, clock: Callable[[], float]) -> None:
-        self._clock = clock
+
+class Wakeups:
+    """A thread that wakes up every ``EVERY_S`` of ``clock``; ``asleep`` is `asleep_s`."""
+
+    def __init__(self, clock: Callable[[], float], asleep: Callable[[], float] = asleep_s) -> None:
+        self._clock, self._asleep = clock, asleep
         self._worst_s = 0.0
         self._woken_s = math.inf
         self._stop = threading.Event()
@@ -46,9 +55,9 @@ class Wakeups:
         return worst_s
 
     def _run(self) -> None:
-        self._woken_s = self._clock()
+        self._woken_s, asleep_s = self._clock(), self._asleep()
         while not self._stop.wait(EVERY_S):
-            now_s = self._clock()
-            self._worst_s = max(self._worst_s, now_s - self._woken_s - EVERY_S)
-            self._woken_s = now_s
+            now_s, slept_s = self._clock(), self._asleep() - asleep_s
+            self._worst_s = max(self._worst_s, now_s - self._woken_s - EVERY_S + slept_s)
+            self._woken_s, asleep_s = now_s, asleep_s + slept_s
         self._woken_s = math.inf

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import subprocess
 import sys
@@ -302,3 +303,14 @@ def test_colours_are_left_out_where_they_are_not_wanted(
 def test_a_word_for_a_number_is_said_to_be_none(capsys: pytest.CaptureFixture[str]) -> None:
     assert entry.run(["marker", "seven"]) == 2
     assert "'seven' is not a whole number" in capsys.readouterr().err
+
+
+def test_a_process_without_descriptors_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, _raise(OSError(errno.EMFILE, "Too many open files")))
+    assert entry.run(["plan"]) == 1
+    said = capsys.readouterr().err
+    assert said == (
+        "clearway: error: Too many open files: raise the limit on open files (`ulimit -n 256`)\n"
+    )

@@ -72,3 +72,10 @@ def test_the_state_folder_is_systemd_s_xdg_s_or_the_home_s() -> None:
     assert state_folder({"STATE_DIRECTORY": "/var/lib/clearway"}) == Path("/var/lib/clearway")
     assert state_folder({"XDG_STATE_HOME": "/s"}) == Path("/s/clearway")
     assert state_folder({"HOME": "/home/me"}) == Path("/home/me/.local/state/clearway")
+
+
+def test_a_path_that_is_no_utf_8_has_a_copy_too(tmp_path: Path) -> None:
+    file = Path(os.fsdecode(b"/arena/caf\xe9.yaml"))
+    kept = LastGood(file, tmp_path)
+    assert kept.keep("robot: {}\n") is None
+    assert LastGood(file, tmp_path).kept.read_text() == "robot: {}\n"

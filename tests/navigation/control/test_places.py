@@ -6,13 +6,21 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from navigation.control import ControlError, ControlServer, NoDaemonError, ask, peers, send_order
+from navigation.control import (
+    ControlError,
+    ControlServer,
+    NoDaemonError,
+    ask,
+    peers,
+    send_order,
+)
 from navigation.control.abstract import Abstract, all_listening, digest_of, listen_without_a_file
 from navigation.control.peers import Peer
 from tests.support.people import RecordedPeople
@@ -261,3 +269,34 @@ def test_a_peer_has_ended_only_where_its_process_has() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
         assert peers.peer_of(ours) == Peer(os.getpid(), os.geteuid())
+
+
+def test_two_programs_that_begin_at_once_do_not_both_take_a_leftover(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One found it dead, the other replaced it meanwhile: no order would reach that one."""
+    path = tmp_path / "folder" / "c.sock"
+    path.parent.mkdir(mode=0o700)
+    with socket.socket(socket.AF_UNIX) as leftover:
+        leftover.bind(str(path))
+    told: list[str] = []
+
+    def begin() -> None:
+        try:
+            with ControlServer(path, RecordedPeople()):
+                told.append("listens")
+        except ControlError as error:
+            told.append(str(error))
+
+    unlink, other = Path.unlink, threading.Thread(target=begin)
+
+    def late_unlink(file: Path) -> None:
+        monkeypatch.setattr(Path, "unlink", unlink)
+        other.start()
+        other.join(0.5)
+        unlink(file)
+
+    monkeypatch.setattr(Path, "unlink", late_unlink)
+    with ControlServer(path, RecordedPeople()):
+        other.join(10.0)
+    assert told == [f"control socket {path}: another daemon begins to listen there"]

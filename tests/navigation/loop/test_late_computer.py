@@ -111,3 +111,11 @@ def test_a_little_late_is_a_doubt_and_much_a_hold_until_all_is_calm() -> None:
     assert punctuality.hold(11.0 + CALM_S * 0.9) == punctuality.doubt(11.0) == said
     assert punctuality.hold(11.0 + CALM_S) is None
     assert punctuality.doubt(11.0 + CALM_S) is None
+
+
+def test_a_computer_that_slept_is_not_called_busy_alone() -> None:
+    punctuality = Punctuality(lambda: (0.06, 5.0, 1.0))
+    punctuality.note("a thread", 7200.0, 10.0)
+    said = punctuality.hold(10.0)
+    assert said is not None
+    assert said.startswith("this program did not run for 7200 s: it was stopped, or this computer")

@@ -15,6 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from firmware_protocol.host.events import LinkChanged, RobotRebooted
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.messages import ResetCause
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RobotSnapshot
 from navigation.loop.stages import stations_of
@@ -204,6 +207,30 @@ def test_what_passes_by_itself_lets_the_mission_go_on(
     ended = cycle_until(arena.daemon, lambda now: now.mission.is_over)
     assert ended.mission.state is State.DONE, ended.sentence
     assert math.dist(arena.world.body.pose()[:2], (0.20, 1.60)) < 0.01
+
+
+@pytest.mark.parametrize(
+    "news",
+    [
+        RobotRebooted(3, ResetCause.POWER_ON),
+        LinkChanged(LinkState.STREAM, LinkState.CLOSED, "the port broke"),
+    ],
+    ids=["rebooted", "port closed"],
+)
+def test_a_robot_that_may_be_another_proves_itself_first(
+    arena: Arena, news: RobotRebooted | LinkChanged
+) -> None:
+    break_port(arena)
+    arena.until(State.HOLDING)
+    arena.world.body.loop.events.append(news)
+    arena.world.body.troubles.port_broken = False
+    states: list[State] = []
+    cycle_until(
+        arena.daemon,
+        lambda now: now.mission.state is State.DRIVING,
+        each=lambda now: states.append(now.mission.state),
+    )
+    assert State.PROVING in states
 
 
 @pytest.mark.parametrize("break_it", [press_the_button, press_stop])

@@ -22,6 +22,15 @@ def test_only_waiting_counts() -> None:
     assert progress.waited_s == pytest.approx(4.9, abs=0.11)
 
 
+def test_a_time_in_which_the_program_did_not_run_is_no_waiting() -> None:
+    progress = Progress()
+    looked(progress, 5.0)
+    assert progress._looked_s is not None
+    facts = {"waits": True, "visited": 0, "left_m": None, "revision": 1}
+    progress.look(progress._looked_s + 3600.0, **facts)  # type: ignore[arg-type]
+    assert progress.waited_s < 7.0
+
+
 def test_a_robot_that_is_pushed_back_time_and_again_gets_nowhere() -> None:
     progress = Progress()
     for _ in range(20):

@@ -207,6 +207,17 @@ def test_the_oldest_files_go_when_the_folder_has_grown_too_large(tmp_path: Path)
     assert sum(file.stat().st_size for file in ours) < 6_500_000, "the limit and the one in hand"
 
 
+def test_the_present_files_outlive_those_that_a_wrong_clock_has_dated_later(
+    tmp_path: Path,
+) -> None:
+    """A computer without a clock of its own begins in the past until the network tells the time."""
+    earlier = tmp_path / "clearway_2099-01-01_00-00-00_001.mcap"
+    earlier.write_bytes(b"x" * 3_000_000)
+    make_recording(tmp_path, lambda bench: bench.frames(12), file_mb=1.0, limit_mb=3.0, **EVERY)
+    assert not earlier.exists()
+    assert list(tmp_path.glob("clearway_*_001.mcap")), "the beginning of this recording"
+
+
 def test_a_disk_that_is_nearly_full_ends_the_recording_with_a_reason_and_not_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,5 +1,6 @@
 """Several robots through the whole running program, in virtual time and judged by ground truth."""
 
+import math
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
@@ -15,6 +16,7 @@ from navigation.loop.run_state import RunState
 from navigation.loop.traffic.fleet_planner import FleetPlanner
 from navigation.mission.mission import MissionError, Station
 from navigation.mission.mission import State as MissionState
+from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualTimes
 from tests.support.runs.light_camera import in_small_pictures
@@ -72,6 +74,39 @@ def test_a_robot_that_dies_is_driven_around() -> None:
     assert report.robots["c"].state == "failed"
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
+
+
+def swap_ports(daemon: Daemon) -> None:
+    """Plug each of two robots into the other's port."""
+    one, other = (daemon.robots[name].link for name in "ab")
+    assert isinstance(one, VirtualLink)
+    assert isinstance(other, VirtualLink)
+    one.loop.host, other.loop.host = other.loop.host, one.loop.host
+    one.loop, other.loop = other.loop, one.loop
+
+
+@pytest.mark.parametrize("since_s", [1.0, 3.5, 5.5])
+def test_two_robots_that_are_swapped_on_their_ports_drive_nowhere(since_s: float) -> None:
+    """Once they drove 0.17 m along the other's path before camera and wheels parted."""
+    before: dict[str, tuple[float, float]] = {}
+
+    def meet(world: VirtualWorld, now_s: float) -> None:
+        for body in world.bodies.values():
+            body.troubles.cable_out = since_s < now_s < since_s + 2.1
+
+    def look(daemon: Daemon, now: RunState) -> bool:
+        if now.time_s < since_s + 2.0:
+            return False
+        places = {name: truth.track()[-1][1:3] for name, truth in daemon.world.truths.items()}
+        if not before:
+            swap_ports(daemon)
+            before.update(places)
+        for name, place in before.items():
+            assert math.dist(place, places[name]) < 0.03
+        return now.time_s > since_s + 12.0
+
+    report = run_virtually(open_hall("a", "b"), look=look, meet=meet, pictures=False)
+    assert {one.state for one in report.robots.values()} == {"stopped"}
 
 
 @pytest.mark.parametrize("since_s", [2.0, 3.0, 3.5])

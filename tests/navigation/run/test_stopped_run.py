@@ -12,9 +12,11 @@ import pytest
 from navigation.config import load_config
 from navigation.config.notify import NotifySection
 from navigation.config.several.each_robot import robots_of
-from navigation.control import send_order
+from navigation.control import ControlServer, send_order
+from navigation.journal.stop_latch import read_latches
 from navigation.machine.logs import EventLog
 from navigation.run.runner import Runner
+from tests.support.runs.virtual import short_config
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -60,3 +62,30 @@ def test_an_emergency_stop_is_said_with_its_cause(name: str, tmp_path: Path) -> 
     names = [robot or "robot" for robot in robots_of(config)]
     told = (tmp_path / "told").read_text().splitlines()
     assert sorted(told) == [f"{robot} stopped: a cat on the table" for robot in sorted(names)]
+
+
+def test_the_last_stop_that_is_taken_holds_the_next_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Orders are taken until the socket is closed, in a reload too."""
+    stops, answers = tmp_path / "stops", []
+    close = ControlServer.__exit__
+
+    def stop_and_close(control: ControlServer, *error: object) -> None:
+        answers.append(send_order(control.path, {"order": "stop", "reason": "at the last moment"}))
+        close(control, *error)
+
+    def end_at_once(line: str) -> None:
+        if line.startswith("orders at"):
+            runner.interrupt.set()
+
+    monkeypatch.setattr(ControlServer, "__exit__", stop_and_close)
+    config = short_config([], recording={"runs_dir": tmp_path / "runs"})
+    socket = tmp_path / "socket" / "s"
+    runner = Runner(
+        config, once=False, say=end_at_once, socket=socket, dashboard=False, stops=stops
+    )
+    runner.run()
+    assert answers[0].get("trouble") is None
+    (kept,) = read_latches(stops)
+    assert "at the last moment" in kept.sentence

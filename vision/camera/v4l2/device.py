@@ -4,6 +4,8 @@ Rules and units
 - Format, size and rate are chosen from the device's list (`modes`) and requested, then controls are
   set (`controls`). ``reason`` reports differences; the rate is measured. -
 - A picture's time is that of its last row: a stamp of the exposure's begin is shifted.
+- A picture without a believable stamp has the time of its reading, unless every buffer was filled:
+  then it waited for a program that was frozen, and is dropped.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
@@ -245,6 +247,8 @@ class DeviceCamera:
     def _frame_of(self, filled: Filled, agreed: Agreed) -> Frame | None:
         grabbed_s = self._clock()
         self.missing += filled.missing
+        if filled.were_all and not is_on_our_clock(filled.stamp_s, grabbed_s):
+            return None
         image = None
         if not filled.is_damaged:
             image = picture_of(
@@ -326,12 +330,14 @@ class DeviceCamera:
 
 
 def driver_time_s(position_ms: float, grabbed_s: float) -> float:
-    """Convert a V4L2 stamp (ms) to seconds, or return ``grabbed_s`` if it is on another clock.
-
-    A stamp in the future, or more than half a second back, is on another clock.
-    """
+    """Convert a V4L2 stamp (ms) to seconds, or return ``grabbed_s`` if it is on another clock."""
     stamp_s = position_ms / 1000.0
-    return stamp_s if 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S else grabbed_s
+    return stamp_s if is_on_our_clock(stamp_s, grabbed_s) else grabbed_s
+
+
+def is_on_our_clock(stamp_s: float, grabbed_s: float) -> bool:
+    """True unless a driver's stamp is in the future, or more than half a second back."""
+    return 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S
 
 
 def current_size(node: Node) -> Size:

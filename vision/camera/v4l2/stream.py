@@ -53,6 +53,8 @@ class Filled:
     """Stamps of older pictures, handed back unread."""
     missing: int
     """Number of pictures that the driver skipped before the first of these."""
+    were_all: bool
+    """True if every buffer that the driver had was filled: it may have waited for any time."""
 
 
 class Stream:
@@ -114,6 +116,7 @@ class Stream:
 
     def take(self, timeout_s: float) -> Filled | None:
         """Return the newest picture; None if none comes within ``timeout_s``."""
+        lent = len(self._maps) - (self._held is not None)
         self._hand_back()
         waiting = select.poll()
         waiting.register(self._node.fd, select.POLLIN | select.POLLPRI)
@@ -140,6 +143,7 @@ class Stream:
             is_damaged=bool(newest.flags & structs.BUFFER_ERROR),
             older_stamps_s=tuple(older),
             missing=missing,
+            were_all=len(older) + 1 >= lent,
         )
 
     def _wait(self, waiting: select.poll, timeout_s: float) -> structs.Buffer | None:
