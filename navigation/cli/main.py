@@ -30,6 +30,7 @@ import click
 from navigation.cli.examples import epilog
 from navigation.cli.voice import complain
 from navigation.orders.table import ORDERS
+from navigation.shared.garbage import postpone_collection
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
@@ -107,6 +108,10 @@ NEED_LINUX = frozenset(
     ("demo", "run", "robot", "devices", "doctor", "dashboard", "install-service", "zone", *ORDERS)
 )
 """Commands that only refuse on other systems, but for their help."""
+
+LOAD_KERNELS = frozenset(("demo", "run", "extract", "plan", "fleet", "roadmap", "audit"))
+"""Commands that import much and then answer once, or drive after they have resumed the garbage
+collection."""
 
 
 class LazyGroup(click.Group):
@@ -189,6 +194,8 @@ def clearway(ctx: click.Context, debug: bool) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with one of the module's codes."""
+    if arguments is None and LOAD_KERNELS.intersection(sys.argv[1:2]):
+        postpone_collection()
     _take_the_first_three()
     threading.excepthook = _tell_a_thread_s_end
     code = run(sys.argv[1:] if arguments is None else arguments)

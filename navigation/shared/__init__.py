@@ -6,4 +6,5 @@
 - `map_pictures`: pictures of maps and masks that OpenCV decodes.
 - `supervisor`: restarts failed parts of the program.
 - `system`: refuses what needs Linux elsewhere.
+- `garbage`: keeps Python's garbage collector away from what is imported.
 """

@@ -23,6 +23,7 @@ from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc
 from navigation.run.kernels.compiling import CompileProgress, compile_parts
 from navigation.run.kernels.plan_together import plan_together
+from navigation.shared.garbage import resume_collection
 from planner.delaunay.insertion_kernels import triangulate
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath
@@ -66,6 +67,7 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
     _load(config.vision, config.robot)
     if config.robots:
         plan_together(config)
+    resume_collection()  # from here on what remains of a picture or a message is garbage, too
 
 
 def say_now_and_then(

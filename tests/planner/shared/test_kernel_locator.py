@@ -189,7 +189,8 @@ def test_kernels_of_an_earlier_version_are_compiled_again_and_removed(tmp_path: 
     def value(text: str) -> str:
         source.write_text(text)
         child = [sys.executable, str(source)]
-        environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+        beside_the_source = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": ""}
+        environment = {**os.environ, **beside_the_source}
         told = subprocess.run(child, capture_output=True, text=True, env=environment, timeout=120)
         assert told.returncode == 0, told.stderr
         return told.stdout
