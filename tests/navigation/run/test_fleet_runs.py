@@ -90,7 +90,7 @@ def test_two_robots_that_are_swapped_on_their_ports_drive_nowhere(since_s: float
     """Once they drove 0.17 m along the other's path before camera and wheels parted."""
     before: dict[str, tuple[float, float]] = {}
 
-    def meet(world: VirtualWorld, now_s: float) -> None:
+    def meet(world: TroubledWorld, now_s: float) -> None:
         for body in world.bodies.values():
             body.troubles.cable_out = since_s < now_s < since_s + 2.1
 
@@ -105,7 +105,9 @@ def test_two_robots_that_are_swapped_on_their_ports_drive_nowhere(since_s: float
             assert math.dist(place, places[name]) < 0.03
         return now.time_s > since_s + 12.0
 
-    report = run_virtually(open_hall("a", "b"), look=look, meet=meet, pictures=False)
+    report = run_virtually(
+        open_hall("a", "b"), look=look, meet=meet, pictures=False, make_world=TroubledWorld
+    )
     assert {one.state for one in report.robots.values()} == {"stopped"}
 
 

@@ -49,11 +49,11 @@ def test_a_robot_that_braked_meanwhile_was_not_carried(
     fast: tuple[TroubledWorld, Daemon], seconds: float, lost: bool
 ) -> None:
     world, daemon = fast
-    before = world.body.robot.pose()
+    before = world.body.pose()
     world.body.troubles.cable_out = lost
     freeze(world, seconds)
     world.body.troubles.cable_out = False
-    assert world.body.robot.pose() != before
+    assert world.body.pose() != before
     end = cycle_until(daemon, over, 60.0)
     assert end.mission.state is State.DONE, end.sentence
 
@@ -63,7 +63,7 @@ def test_a_robot_that_is_carried_meanwhile_needs_a_person(
 ) -> None:
     world, daemon = fast
     freeze(world, 10.0)
-    pose = world.body.robot.pose()
+    pose = world.body.pose()
     world.body.troubles.carried_to = (pose.x_m + 0.15, pose.y_m, pose.heading_rad)
     freeze(world, 20.0)
     end = cycle_until(daemon, over)

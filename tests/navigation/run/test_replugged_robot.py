@@ -14,6 +14,7 @@ from firmware_protocol.host.state import LinkState
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
+from tests.support.runs.troubled_robot import switch_off_and_on
 from tests.support.runs.troubled_world import TroubledWorld
 from tests.support.runs.virtual import cycle_until, short_config
 
@@ -36,7 +37,7 @@ def test_what_it_braked_over_unreported_is_no_sign_that_it_was_carried(how: str)
             body.troubles.port_broken = True
             body.loop.events.append(GONE)
         if "restarted" in how:
-            body.robot.switch_off_and_on()
+            switch_off_and_on(body)
         cycle_until(daemon, lambda _: world.clock() > began_s + 3.0)
         body.troubles.port_broken = False
         end = cycle_until(
@@ -46,4 +47,4 @@ def test_what_it_braked_over_unreported_is_no_sign_that_it_was_carried(how: str)
         )
     assert end.mission.state is State.DONE, end.sentence
     assert State.PROVING in states
-    assert math.dist(world.body.robot.pose()[:2], (0.20, 1.60)) < 0.01
+    assert math.dist(world.body.pose()[:2], (0.20, 1.60)) < 0.01
