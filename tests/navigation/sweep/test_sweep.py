@@ -174,7 +174,7 @@ def test_a_killed_worker_costs_time_and_no_row(config: Config, tmp_path: Path) -
 def test_a_run_that_kills_every_worker_is_told_and_the_others_are_done(
     config: Config, tmp_path: Path
 ) -> None:
-    rows, sweep = swept(config, 12, sweeps.always_killed)
+    rows, sweep = swept(config, 12, sweeps.always_killed, lambda: local_executor(1), 1)
     assert [row.run for row in rows] == list(range(12))
     assert {row.run: row.state for row in rows if row.state != "done"} == {3: "killed"}
     assert len(list(tmp_path.glob("try-*"))) == sweep.deaths == MOST_ATTEMPTS
