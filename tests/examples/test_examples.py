@@ -2,8 +2,10 @@
 
 import json
 import re
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from subprocess import DEVNULL, PIPE
+from subprocess import PIPE
 
 import cv2
 import nbformat
@@ -41,15 +43,27 @@ def test_the_readme_lists_every_example() -> None:
     assert set(PICTURES) == there
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Runs a script, once however many tests ask for it; the folder with what it left."""
+
+    @cache
+    def made(name: str) -> Path:
+        folder = tmp_path_factory.mktemp("made")
+        program = Program([folder], file=EXAMPLES / name, cwd=folder, stdout=PIPE, stderr=PIPE)
+        out, err = program.communicate(COLD_S - 20)
+        assert program.returncode == 0, err
+        assert out
+        assert not err
+        return folder
+
+    return made
+
+
 @pytest.mark.timeout(COLD_S)
 @pytest.mark.parametrize("name", SCRIPTS)
-def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None:
-    program = Program([tmp_path], file=EXAMPLES / name, cwd=tmp_path, stdout=PIPE, stderr=PIPE)
-    out, err = program.communicate(COLD_S - 20)
-    assert program.returncode == 0, err
-    assert out
-    assert not err
-    _is_a_picture(tmp_path / PICTURES[name])
+def test_a_script_runs_and_leaves_its_picture(name: str, made: Callable[[str], Path]) -> None:
+    _is_a_picture(made(name) / PICTURES[name])
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
@@ -87,10 +101,8 @@ def test_a_notebook_is_committed_with_its_outputs(name: str) -> None:
 
 
 @pytest.mark.timeout(COLD_S)
-def test_nav2_reads_the_route_graph(tmp_path: Path) -> None:
-    program = Program([tmp_path], file=EXAMPLES / "ros_map_to_nav2.py", stdout=DEVNULL)
-    assert program.wait(COLD_S - 20) == 0
-    nodes = load_graph((tmp_path / "route_graph.geojson").read_text())
+def test_nav2_reads_the_route_graph(made: Callable[[str], Path]) -> None:
+    nodes = load_graph((made("ros_map_to_nav2.py") / "route_graph.geojson").read_text())
     assert nodes
     assert all(node.leaving for node in nodes.values())
 

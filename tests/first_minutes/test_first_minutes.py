@@ -87,7 +87,7 @@ def test_each_command_of_the_readme_is_run_or_known_not_to_be() -> None:
 @pytest.mark.timeout(COLD_S)
 def test_the_readme_s_commands_run_in_their_order(tmp_path: Path, installed: Path) -> None:
     (tmp_path / ".venv").symlink_to(installed)
-    for command in readme_commands():
+    for command in dict.fromkeys(readme_commands()):  # some are shown twice
         if command == WATCHED:
             watch(command, tmp_path, installed)
         elif not PREPARED.match(command) and command not in (*OF_A_CHECKOUT, *OF_AN_ARENA):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import cv2
@@ -33,6 +33,9 @@ _LEAST_TURN_DEG = 8.0
 _GOOD_TURN_DEG = 20.0
 """Largest angle between two boards' planes: parallel planes do not determine the focal length
 (Zhang 2000, 3.2), and the fit's spread does not show it."""
+_KEPT_FITS = 256
+"""The search for foreign pictures, the number of terms and the residual on ones left out ask for
+some 100 fits, a third of them again."""
 TERMS = {"brown": tuple(TERM_FLAGS), "fisheye": (0, 1, 2, 4)}
 """Numbers of terms for each model."""
 
@@ -204,7 +207,9 @@ def fit_lens(
 
     ``start``: a camera matrix (3, 3) near the fisheye's, which saves a search.
     """
-    return _fit_fisheye(views, terms, start) if model == "fisheye" else _fit_brown(views, terms)
+    if model == "fisheye":
+        return _fit_fisheye(views, terms, start)
+    return _fit_brown(tuple(views), terms)
 
 
 def _fit_fisheye(views: Sequence[BoardView], terms: int, start: FloatArray | None) -> LensFit:
@@ -227,7 +232,8 @@ def _fit_fisheye(views: Sequence[BoardView], terms: int, start: FloatArray | Non
     )
 
 
-def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
+@lru_cache(_KEPT_FITS)
+def _fit_brown(views: tuple[BoardView, ...], terms: int) -> LensFit:
     boards = [in_space(v.points_m) for v in views]
     try:
         rms, matrix, lens, turns, _, spreads, _, view_px = cv2.calibrateCameraExtended(
@@ -243,12 +249,16 @@ def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
     camera = np.asarray(matrix, dtype=np.float64)
     if not (np.isfinite(camera).all() and math.isfinite(rms)):
         raise CalibrationError("the lens cannot be estimated from these pictures")
+    distortion = np.asarray(lens, dtype=np.float64).reshape(-1)[:5]
+    each_px = np.asarray(view_px, dtype=np.float64).reshape(-1)
+    for kept in (camera, distortion, each_px):
+        kept.setflags(write=False)
     return LensFit(
         float(rms),
         camera,
-        np.asarray(lens, dtype=np.float64).reshape(-1)[:5],
+        distortion,
         float(np.ravel(spreads)[0] / camera[0, 0]),
-        np.asarray(view_px, dtype=np.float64).reshape(-1),
+        each_px,
         _largest_turn_deg([cv2.Rodrigues(np.asarray(t, dtype=np.float64))[0] for t in turns]),
     )
 

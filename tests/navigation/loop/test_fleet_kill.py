@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from navigation.config import Config, load_config
+from navigation.config import Config
 from navigation.loop.daemon import Daemon
 from navigation.loop.run_state import RunState
 from navigation.mission.mission import State
 from tests.support.runs.fleet_kills import drive_fleet_under_fire
+from tests.support.runs.virtual import CONFIGS, alcove
 
-CONFIGS = Path(__file__).parents[3] / "configs"
 STARTS = {"a": (0.3, 0.4), "b": (2.1, 0.4), "c": (1.2, 1.5)}
 TOURS = {
     "a": [(0.3, 0.9), (0.9, 0.9)],
@@ -24,9 +24,7 @@ TOURS = {
 
 def hall(journal: Path, names: str, tasks: list[tuple[float, float]] | None = None) -> Config:
     """Robots in an empty hall, each with two stations, or with tasks for all of them."""
-    body: dict[str, Any] = load_config(CONFIGS / "alcove.yaml", {}).model_dump(
-        mode="json", exclude_none=True
-    )
+    body: dict[str, Any] = alcove().model_dump(mode="json", exclude_none=True)
     body["robots"] = [{"name": name, "marker_id": i + 1} for i, name in enumerate(names)]
     body["mission"]["robots"] = []
     if tasks is None:

@@ -19,7 +19,7 @@ FAR = [{"x_m": 0.20, "y_m": 1.60}]
 
 @pytest.fixture
 def driving() -> Iterator[tuple[TroubledWorld, Daemon]]:
-    config = short_config(FAR)
+    config = short_config(FAR, camera={"rate_hz": 15.0})
     world = TroubledWorld(config, pictures=False)
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))

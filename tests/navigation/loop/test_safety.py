@@ -62,7 +62,9 @@ class Arena:
 @pytest.fixture
 def arena(request: pytest.FixtureRequest) -> Iterator[Arena]:
     """A robot that drives; with drawn pictures where the parameter is ``True``."""
-    config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
+    config = short_config(
+        FAR, simulation={"camera": HIGH_CAMERA}, camera={"rate_hz": 0.5 / FRAME_S}
+    )
     world = TroubledWorld(config, pictures=getattr(request, "param", False))
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.people.give(stations_of(config))

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.config import load_config
 from navigation.draw import DrawError
 from navigation.draw.shapes import ROBOTS
 from navigation.loop.daemon import Daemon
@@ -16,9 +15,9 @@ from navigation.run.run_report import summarise_run
 from navigation.run.runner import Runner
 from navigation.run.virtual_run import run_virtually
 from tests.support.runs.light_camera import in_small_pictures
+from tests.support.runs.virtual import alcove
 
-CONFIGS = Path(__file__).parents[3] / "configs"
-ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
+ALCOVE = alcove()
 SECONDS = 4.0
 LIMIT_S = 10.0
 """Of a run in real time: too short to arrive, and long enough to set off on a busy computer."""

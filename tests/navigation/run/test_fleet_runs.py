@@ -21,9 +21,10 @@ from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualTimes
 from tests.support.runs.light_camera import in_small_pictures
 from tests.support.runs.troubled_world import TroubledWorld
+from tests.support.runs.virtual import alcove
 
 CONFIGS = Path(__file__).parents[3] / "configs"
-ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
+ALCOVE = alcove()
 SMALL = in_small_pictures(ALCOVE)
 
 
@@ -248,8 +249,9 @@ def test_a_second_marker_of_one_robot_stops_it_and_the_other_keeps_clear(picture
             sentence = now.robots["b"].sentence
         return now.time_s > 12.0
 
+    base = in_small_pictures(load_config(CONFIGS / "alcove.yaml", {}))  # with all its pictures
     report = run_virtually(
-        open_hall("a", "b", base=SMALL, time_limit_s=80.0),
+        open_hall("a", "b", base=base, time_limit_s=80.0),
         meet=meet,
         look=look,
         pictures=pictures,

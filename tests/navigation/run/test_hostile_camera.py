@@ -77,9 +77,9 @@ class Stage:
         return truth.track_clearance(truth.track()) - RADIUS_M
 
 
-def stage_of(*, pictures: bool, **camera: float) -> Iterator[Stage]:
+def stage_of(*, pictures: bool, rate_hz: float = 15.0) -> Iterator[Stage]:
     """A robot at its start."""
-    config = short_config(FAR, simulation={"camera": HIGH_CAMERA}, camera=camera)
+    config = short_config(FAR, simulation={"camera": HIGH_CAMERA}, camera={"rate_hz": rate_hz})
     world = TroubledWorld(config, pictures=pictures)
     with Daemon(config, world, first_mission_id=7) as daemon:
         yield Stage(world, daemon)

@@ -24,7 +24,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 
 @pytest.fixture(scope="module")
 def config() -> Config:
-    return load_config(CONFIGS / "crossing.yaml")
+    return load_config(CONFIGS / "alcove.yaml")
 
 
 @pytest.fixture
@@ -78,26 +78,26 @@ def test_a_camera_that_is_not_open_says_so(shared: SimulationApart) -> None:
 
 
 def test_its_robots_answer_at_their_ports_and_keep_their_track(shared: SimulationApart) -> None:
-    assert len(set(shared.ports.values())) == 8
+    assert len(set(shared.ports.values())) == 2
     shared.start()
-    with SerialLink(shared.ports["west1"]) as link:
+    with SerialLink(shared.ports["left"]) as link:
         assert wait_until(lambda: link.snapshot().status is not None)
-    assert shared.pose("west1") == pytest.approx((0.17, 0.78, 0.0))
-    assert wait_until(lambda: len(shared.track("west1")) > 2)
-    assert np.ptp(shared.track("west1")[:, 1:], axis=0).max() == 0.0
+    assert shared.pose("left") == pytest.approx((0.20, 0.90, 0.0))
+    assert wait_until(lambda: len(shared.track("left")) > 2)
+    assert np.ptp(shared.track("left")[:, 1:], axis=0).max() == 0.0
 
 
 def test_when_its_process_dies_the_camera_and_the_links_say_so(apart: SimulationApart) -> None:
     apart.start()
     camera = apart.open_camera()
     camera.open()
-    with SerialLink(apart.ports["west1"]) as link:
+    with SerialLink(apart.ports["left"]) as link:
         assert wait_until(lambda: link.snapshot().status is not None)
         apart.process.kill()
         with pytest.raises(CameraError, match="the simulation's process has ended"):
             camera.read(5.0)
         assert wait_until(lambda: link.snapshot().down_reason is not None)
-    assert apart.track("west1").shape == (0, 4)
+    assert apart.track("left").shape == (0, 4)
     camera.close()
 
 
@@ -108,7 +108,7 @@ from pathlib import Path
 from navigation.config import load_config
 from navigation.run.simulation_apart import SimulationApart
 if __name__ == "__main__":
-    simulation = SimulationApart(load_config(Path({str(CONFIGS / "crossing.yaml")!r})))
+    simulation = SimulationApart(load_config(Path({str(CONFIGS / "alcove.yaml")!r})))
     print(simulation.process.pid, flush=True)
     os.kill(os.getpid(), 9)
 """

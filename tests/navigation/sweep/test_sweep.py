@@ -165,7 +165,7 @@ def test_every_variation_gets_its_row_once(config: Config) -> None:
 
 def test_a_killed_worker_costs_time_and_no_row(config: Config, tmp_path: Path) -> None:
     rows, sweep = swept(config, 12, sweeps.once_killed)
-    undisturbed, _ = swept(config, 12, sweeps.quick)
+    undisturbed, _ = swept(config, 12, sweeps.quick, lambda: ThreadPoolExecutor(2))
     assert (tmp_path / "killed").exists()
     assert rows == undisturbed
     assert sweep.deaths == 1
@@ -174,7 +174,7 @@ def test_a_killed_worker_costs_time_and_no_row(config: Config, tmp_path: Path) -
 def test_a_run_that_kills_every_worker_is_told_and_the_others_are_done(
     config: Config, tmp_path: Path
 ) -> None:
-    rows, sweep = swept(config, 12, sweeps.always_killed)
+    rows, sweep = swept(config, 12, sweeps.always_killed, lambda: local_executor(1), 1)
     assert [row.run for row in rows] == list(range(12))
     assert {row.run: row.state for row in rows if row.state != "done"} == {3: "killed"}
     assert len(list(tmp_path.glob("try-*"))) == sweep.deaths == MOST_ATTEMPTS
@@ -298,7 +298,7 @@ def test_a_cluster_gives_the_same_rows_though_one_of_its_workers_is_killed(
     assert ours.workers() == 2
     rows, _ = swept(config, 12, sweeps.once_killed, ours.executor)
     ours.close()
-    undisturbed, _ = swept(config, 12, sweeps.quick)
+    undisturbed, _ = swept(config, 12, sweeps.quick, lambda: ThreadPoolExecutor(2))
     assert rows == undisturbed
 
 

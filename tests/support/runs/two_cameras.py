@@ -26,7 +26,7 @@ def config_of(
     ``cameras``: by name, what differs of a simulated one.
     """
     base = load_config(CONFIGS / "two_cameras.yaml", {}).model_dump()
-    base["camera"].update(size_px=(640, 480), rate_hz=15.0)
+    base["camera"].update(size_px=(640, 480), rate_hz=10.0)
     base["mission"]["stations"] = [{"x_m": x, "y_m": y} for x, y in stations]
     base["simulation"]["start"].update(x_m=start[0], y_m=start[1])
     base["simulation"]["camera"].update(focal_px=617.5, centre_offset_px=(2.6, -1.9))

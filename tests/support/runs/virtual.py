@@ -15,9 +15,9 @@ from tests.support.runs.troubled_world import TroubledWorld
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 SMALL_CAMERA = {
-    "size_px": (640, 480), "rate_hz": 15.0, "calibration": None, "source": "simulated"
+    "size_px": (640, 480), "rate_hz": 10.0, "calibration": None, "source": "simulated"
 }  # fmt: skip
-"""Half the pixels each way, and half as often: for runs whose pictures are not the subject."""
+"""Half the pixels each way, and a third as often: for runs whose pictures are not the subject."""
 
 
 def short_config(
@@ -34,6 +34,12 @@ def short_config(
         else:
             base[name] = keys
     return Config.model_validate(base)
+
+
+@cache
+def alcove() -> Config:
+    """configs/alcove.yaml with half as many pictures, as many as the other fleets' cameras take."""
+    return load_config(CONFIGS / "alcove.yaml", {"CLEARWAY_CAMERA__RATE_HZ": "10"})
 
 
 @cache

@@ -12,7 +12,7 @@ import pytest
 from tests.support.drawn.boards import chessboard_patch, render
 from tests.vision.calibration.cameras import CAMERA, FLIP, LENS, SIZE, overhead, pixels, pose_of
 from vision.calibrate.board import BoardSpec, BoardView, NoBoard, find_board, find_boards
-from vision.calibrate.lens import estimate_lens
+from vision.calibrate.lens import estimate_lens, fit_lens
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.camera.sources import read_picture
 
@@ -52,6 +52,17 @@ def test_the_lens_is_found_again() -> None:
     fitted = np.column_stack([true, np.ones(len(true))])
     rest = drift - fitted @ np.linalg.lstsq(fitted, drift, rcond=None)[0]
     assert np.sqrt((rest**2).mean()) < 0.15
+
+
+def test_the_same_pictures_are_fitted_once_and_nobody_can_change_the_fit() -> None:
+    """The search for foreign pictures asks for many fits again."""
+    some = views(6)
+    fit = fit_lens(some, 2)
+    assert fit_lens(list(some), 2) is fit
+    assert fit_lens(some, 4) is not fit
+    assert fit_lens(views(6), 2) is not fit
+    with pytest.raises(ValueError, match="read-only"):
+        fit.camera_matrix[0, 0] = 1.0
 
 
 def test_bad_pictures_are_named_and_left_out() -> None:

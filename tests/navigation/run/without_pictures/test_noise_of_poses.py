@@ -49,7 +49,9 @@ def test_poses_without_pictures_are_no_better_and_no_newer_than_the_real_tracker
     assert base.simulation is not None
     camera = {**base.simulation.camera.model_dump(), "noise_grey": noise_grey, "latency_s": 0.02}
     config = short_config(
-        [{"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}], simulation={"camera": camera}
+        [{"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}],
+        simulation={"camera": camera},
+        camera={"rate_hz": 15.0},
     )
     drawn, drawn_age_s = errors_of(config, pictures=True)
     told, told_age_s = errors_of(config, pictures=False)
