@@ -64,6 +64,7 @@ def configuration(folder: Path, address: str) -> Path:
         "simulation_calibration.yaml": "small.yaml",
         "robot:": "robot:\n  driver: waveshare",
         "radius_m: 0.09": "radius_m: 0.16",
+        "marker_size_m: 0.09": "marker_size_m: 0.22",  # six pixels
         "port: /dev/ttyUSB0": f"port: rfc2217://{USER}:{MARK}port@127.0.0.1:1",
     }
     for old, new in changes.items():

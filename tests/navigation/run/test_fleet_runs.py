@@ -106,8 +106,13 @@ def test_two_robots_that_are_swapped_on_their_ports_drive_nowhere(since_s: float
             assert math.dist(place, places[name]) < 0.03
         return now.time_s > since_s + 12.0
 
+    base = load_config(CONFIGS / "alcove.yaml", {})  # with all its pictures
     report = run_virtually(
-        open_hall("a", "b"), look=look, meet=meet, pictures=False, make_world=TroubledWorld
+        open_hall("a", "b", base=base),
+        look=look,
+        meet=meet,
+        pictures=False,
+        make_world=TroubledWorld,
     )
     assert {one.state for one in report.robots.values()} == {"stopped"}
 
