@@ -51,9 +51,10 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 # A worker takes one file of tests after the other, slow ones first; there is one worker more than
 # cores, as many tests wait for a child; none of them starts threads of its own, which would only wait
 # for a core that another worker has. What says how long something may take, and what drives an
-# emulated processor, comes after all others, one after another. Nothing is run twice.
+# emulated processor, comes after all others, two at a time, since most of it only waits. Nothing is
+# run twice.
 WORKERS ?= $(shell expr $$(nproc) + 1)
-TIMED_WORKERS ?= 1
+TIMED_WORKERS ?= 2
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.kernels ## every test
 	OPENBLAS_NUM_THREADS=1 OPENCV_FOR_THREADS_NUM=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) \
