@@ -139,10 +139,10 @@ def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ..
     from vision.camera.picture_turn import orientation, turned
 
     image, remarks = _decode(data, path)
-    told = orientation(data)
-    if told == 1:
+    exif = orientation(data)
+    if exif == 1:
         return image, remarks
-    return turned(image, told), (*remarks, f"turned as its EXIF orientation, {told}, asks")
+    return turned(image, exif), (*remarks, f"turned by its EXIF orientation, {exif}")
 
 
 def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:

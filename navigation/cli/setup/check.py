@@ -209,8 +209,8 @@ def _markers_are_seen(config: Config, calibration: Calibration) -> Iterator[tupl
     for where, one in marked:
         height_m, size_m = one.marker_height_m, one.marker_size_m
         if height_m > 0.0 and config.camera.metres_per_pixel is not None:
-            told = "must be 0 with metres_per_pixel, which does not say where the camera is"
-            yield (*where, "marker_height_m"), f"{told}; a calibration does"
+            limit = "must be 0 with metres_per_pixel, which does not say where the camera is"
+            yield (*where, "marker_height_m"), f"{limit}; a calibration does"
             continue
         try:
             side = calibration.image_from_arena([(x, y), (x + size_m, y)], height_m)
@@ -218,8 +218,9 @@ def _markers_are_seen(config: Config, calibration: Calibration) -> Iterator[tupl
             yield (*where, "marker_height_m"), str(error).removeprefix(f"height_m = {height_m}: ")
             continue
         if (seen_px := math.dist(*side)) < LEAST_MARKER_PX:
-            told = f"{size_m:g} m are {seen_px:.1f} px in the picture: must be >= {LEAST_MARKER_PX}"
-            yield (*where, "marker_size_m"), f"{told} px, one for each cell"
+            seen = f"{size_m:g} m are {seen_px:.1f} px in the picture"
+            limit = f"must be >= {LEAST_MARKER_PX} px, one for each cell"
+            yield (*where, "marker_size_m"), f"{seen}: {limit}"
 
 
 def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:

@@ -123,7 +123,7 @@ def test_faults_of_whole_frames_are_refused_where_the_line_has_none() -> None:
 
 
 def open_files() -> int:
-    """How many files this process has open: a robot's pseudo-terminal has two."""
+    """Number of files that this process has open: a robot's pseudo-terminal has two."""
     return len(os.listdir("/proc/self/fd"))
 
 
