@@ -17,6 +17,7 @@ import queue
 import socket
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,11 @@ from navigation.machine.descriptors import NONE_LEFT
 from navigation.orders.errors import ControlError
 
 BACKLOG: Final = 512
+BEGIN_S: Final = 3.0
+"""Time within which a program that begins to listen has done so; it waits `PROBE_S` for a
+leftover."""
+AGAIN_S: Final = 0.01
+"""Time between two looks at whether it has."""
 PROBE_S: Final = 2.0
 LOOK_EVERY_S: Final = 0.25
 """A removed socket is noticed within this time and one turn of the server."""
@@ -175,18 +181,24 @@ def _bind(path: Path) -> _Bound:
 
 @contextlib.contextmanager
 def _alone_in(path: Path) -> Iterator[None]:
-    """Lock the folder: another program that begins may be about to replace the same leftover."""
+    """Lock the folder: another program that begins may be about to replace the same leftover.
+
+    ``ControlError`` if another one still begins to listen there after ``BEGIN_S``.
+    """
     import fcntl  # only Unix has it
 
     folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(folder)
-        raise ControlError(
-            f"control socket {path}: another daemon begins to listen there"
-        ) from None
-    try:
+        until_s = time.monotonic() + BEGIN_S
+        while True:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > until_s:
+                    sentence = f"another daemon begins to listen in {path.parent}"
+                    raise ControlError(f"control socket {path}: {sentence}") from None
+                time.sleep(AGAIN_S)
         yield
     finally:
         os.close(folder)

@@ -271,22 +271,26 @@ def test_a_peer_has_ended_only_where_its_process_has() -> None:
         assert peers.peer_of(ours) == Peer(os.getpid(), os.geteuid())
 
 
-def test_two_programs_that_begin_at_once_do_not_both_take_a_leftover(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("theirs", ["c.sock", "d.sock"])
+def test_of_two_programs_that_begin_at_once_none_takes_the_others_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, theirs: str
 ) -> None:
-    """One found it dead, the other replaced it meanwhile: no order would reach that one."""
+    """One found a leftover dead, the other replaced it meanwhile: no order would reach that one.
+
+    With another path in the same folder both listen.
+    """
     path = tmp_path / "folder" / "c.sock"
     path.parent.mkdir(mode=0o700)
     with socket.socket(socket.AF_UNIX) as leftover:
         leftover.bind(str(path))
-    told: list[str] = []
+    said: list[str] = []
 
     def begin() -> None:
         try:
-            with ControlServer(path, RecordedPeople()):
-                told.append("listens")
+            with ControlServer(path.with_name(theirs), RecordedPeople()):
+                said.append("listens")
         except ControlError as error:
-            told.append(str(error))
+            said.append(str(error))
 
     unlink, other = Path.unlink, threading.Thread(target=begin)
 
@@ -299,4 +303,5 @@ def test_two_programs_that_begin_at_once_do_not_both_take_a_leftover(
     monkeypatch.setattr(Path, "unlink", late_unlink)
     with ControlServer(path, RecordedPeople()):
         other.join(10.0)
-    assert told == [f"control socket {path}: another daemon begins to listen there"]
+    (sentence,) = said
+    assert sentence == "listens" if theirs == "d.sock" else "listens there already" in sentence
